@@ -69,8 +69,13 @@ Answer fit_answer(const Json& json) {
     const Json& noise = at(json, "noise");
     const auto on_bound = list(at(best, "at_bounds"));
     const auto unknown = list(at(best, "not_determined"));
-    answer.heading = "Best fit (standard errors; the study allows from ... to)";
-    answer.header = {"parameter", "value", "std. error", "from", "to", ""};
+    const auto is_cut = [&](const Json& axis) {
+        return at(at(best, "ranges_95"), words(at(axis, "name")).c_str()).is_array();
+    };
+    const bool has_cut = std::any_of(at(json, "parameters").begin(), at(json, "parameters").end(), is_cut);
+    answer.heading = has_cut ? "Best fit (standard error or 95 % range; the study allows from ... to)"
+                             : "Best fit (standard errors; the study allows from ... to)";
+    answer.header = {"parameter", "value", has_cut ? "error, range" : "std. error", "from", "to", ""};
     for (const Json& axis : at(json, "parameters")) {
         const std::string name = words(at(axis, "name"));
         const Json& error = at(at(best, "std_error"), name.c_str());

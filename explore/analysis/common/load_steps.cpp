@@ -1,5 +1,6 @@
 #include "analysis/common/load_steps.h"
 
+#include "analysis/common/say.h"
 #include "landscape/multistart.h"
 #include "pavement/forward.h"
 #include "run/parallel.h"
@@ -233,9 +234,7 @@ pave::Outcome<pave::pavement::Response> with_path_warning(const study::Study& st
         return outcome;
     }
     pave::pavement::Response response = std::move(outcome).value();
-    if (std::string words = path_warning(study, at, response.values); !words.empty()) {
-        response.warnings.push_back(std::move(words));
-    }
+    say(response.warnings, path_warning(study, at, response.values));
     return response;
 }
 

@@ -1,3 +1,4 @@
+#include "analysis/common/say.h"
 #include "analysis/design/design.h"
 #include "base/text.h"
 
@@ -130,9 +131,7 @@ std::vector<std::string> findings(const DesignResult& result) {
                                     result.no_range));
     }
     words.push_back(overlay_words(result));
-    if (std::string wide = wide_words(first); !wide.empty()) {
-        words.push_back(std::move(wide));
-    }
+    say(words, wide_words(first));
     for (const CriterionLife& c : result.criteria) {
         if (c.strain.best <= 1.0) {
             words.push_back(fmt::format("\"{}\": nothing strains its place in that sense.", c.criterion.name));

@@ -1,4 +1,5 @@
 #include "analysis/common/limit_words.h"
+#include "analysis/common/say.h"
 #include "analysis/diagnose/diagnose_verdict.h"
 
 #include "base/error.h"
@@ -58,12 +59,8 @@ public:
 
     std::vector<std::string> all() const {
         std::vector<std::string> text = verdict_words(result);
-        if (std::string words = not_borne_out_words(); !words.empty()) {
-            text.push_back(std::move(words));
-        }
-        if (std::string words = bounds_words(); !words.empty()) {
-            text.push_back(std::move(words));
-        }
+        say(text, not_borne_out_words());
+        say(text, bounds_words());
         wrong(text);
         if (after) {
             gain(text);
@@ -76,9 +73,7 @@ public:
             words[0] = 'R';
             text.push_back(std::move(words));
         }
-        if (std::string words = minima_words(); !words.empty()) {
-            text.push_back(std::move(words));
-        }
+        say(text, minima_words());
         for (std::string& words : output_words(study, outputs)) {
             text.push_back(std::move(words));
         }
@@ -87,24 +82,12 @@ public:
                 "fit and unique compute this linear section by layered theory, diagnose by finite elements, "
                 "which most effects need: their values differ in the third digit.");
         }
-        if (std::string words = mesh_words(study, mesh); !words.empty()) {
-            text.push_back(std::move(words));
-        }
-        if (std::string words = path_words(study, result.path); !words.empty()) {
-            text.push_back(std::move(words));
-        }
-        if (const std::string weights = weights_words(study); !weights.empty()) {
-            text.push_back(weights);
-        }
-        if (std::string words = noise_key_words(study); !words.empty()) {
-            text.push_back(std::move(words));
-        }
-        if (std::string words = limit_words(study); !words.empty()) {
-            text.push_back(std::move(words));
-        }
-        if (std::string words = next_words(); !words.empty()) {
-            text.push_back(std::move(words));
-        }
+        say(text, mesh_words(study, mesh));
+        say(text, path_words(study, result.path));
+        say(text, weights_words(study));
+        say(text, noise_key_words(study));
+        say(text, limit_words(study));
+        say(text, next_words());
         return text;
     }
 

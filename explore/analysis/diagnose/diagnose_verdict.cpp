@@ -1,5 +1,6 @@
 #include "analysis/diagnose/diagnose_verdict.h"
 
+#include "analysis/common/say.h"
 #include "analysis/diagnose/bottom_hint.h"
 #include "base/text.h"
 #include "inference/nuisance.h"
@@ -60,12 +61,6 @@ public:
     }
 
 private:
-    static void say(std::vector<std::string>& text, std::string words) {
-        if (!words.empty()) {
-            text.push_back(std::move(words));
-        }
-    }
-
     std::string effect_words(std::size_t member) const {
         const auto& interval = after->parameters[study.space.axes.size() + member];
         const std::size_t c = d.extended->model.members[member];

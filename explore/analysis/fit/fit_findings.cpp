@@ -4,6 +4,7 @@
 #include "analysis/common/limit_words.h"
 #include "analysis/common/option_ranges.h"
 #include "analysis/common/repeated_rows.h"
+#include "analysis/common/say.h"
 #include "analysis/common/sought_noise.h"
 #include "analysis/common/stress_steps.h"
 #include "analysis/fit/fit.h"
@@ -314,15 +315,9 @@ std::vector<std::string> findings(const FitResult& result) {
         text.push_back(std::move(sentence));
     }
     unknown_parameters(result, text);
-    if (std::string words = active_constraints(problem, best).words; !words.empty()) {
-        text.push_back(std::move(words));
-    }
-    if (std::string words = held_words(result); !words.empty()) {
-        text.push_back(std::move(words));
-    }
-    if (std::string words = repeated_rows_words(study); !words.empty()) {
-        text.push_back(std::move(words));
-    }
+    say(text, active_constraints(problem, best).words);
+    say(text, held_words(result));
+    say(text, repeated_rows_words(study));
     for (const std::string& words : fault_words(study)) {
         text.push_back(fmt::format("Before any model: {}.", words));
     }
@@ -348,9 +343,7 @@ std::vector<std::string> findings(const FitResult& result) {
         text.push_back(fmt::format("{} ended early, or beyond a constraint, and {} no minimum.",
                                    counted(early, "search", "searches"), early == 1 ? "is" : "are"));
     }
-    if (std::string words = limited_words(result); !words.empty()) {
-        text.push_back(std::move(words));
-    }
+    say(text, limited_words(result));
     if (close.size() > 1) {
         text.push_back(fmt::format("{} minima fit these data equally well within their noise: the data do not single "
                                    "out one of them. unique compares what they predict.",
@@ -362,9 +355,7 @@ std::vector<std::string> findings(const FitResult& result) {
     } else if (starts > 1 && early == 0) {
         text.push_back("No start ended anywhere else. That does not prove that there is no other minimum.");
     }
-    if (std::string words = landscape::confirmation_words(minima); !words.empty()) {
-        text.push_back(std::move(words));
-    }
+    say(text, landscape::confirmation_words(minima));
     // How far each parameter reaches over everything that fits as well.
     std::vector<std::string> loose;
     for (std::size_t k = 0; k < problem.space.axes.size(); ++k) {
@@ -407,18 +398,10 @@ std::vector<std::string> findings(const FitResult& result) {
     if (best.converged && local.noise_is_stated && !contradicts_noise(local) && local.degrees_of_freedom > 0) {
         text.push_back(noise_words(local, problem.noise_is_student(), best.alone.has_value()));
     }
-    if (const std::string weights = weights_words(study); !weights.empty()) {
-        text.push_back(weights);
-    }
-    if (std::string words = noise_key_words(study); !words.empty()) {
-        text.push_back(std::move(words));
-    }
-    if (std::string words = limit_words(study); !words.empty()) {
-        text.push_back(std::move(words));
-    }
-    if (std::string words = misfit_words(study); !words.empty()) {
-        text.push_back(std::move(words));
-    }
+    say(text, weights_words(study));
+    say(text, noise_key_words(study));
+    say(text, limit_words(study));
+    say(text, misfit_words(study));
     if (local.degrees_of_freedom <= 0) {
         text.push_back(fmt::format("{} for {} free: the data cannot tell noise from a wrong model{}. Readings that are "
                                    "added, or a parameter that is held, let them.",
@@ -440,19 +423,11 @@ std::vector<std::string> findings(const FitResult& result) {
             figure(local.noise)));
     }
     if (result.without_floor) {
-        if (std::string words = floor_words(study, best, local, *result.without_floor); !words.empty()) {
-            text.push_back(std::move(words));
-        }
+        say(text, floor_words(study, best, local, *result.without_floor));
     }
-    if (std::string words = drift_words(study, result.drifts); !words.empty()) {
-        text.push_back(std::move(words));
-    }
-    if (std::string words = mesh_words(study, result.mesh); !words.empty()) {
-        text.push_back(std::move(words));
-    }
-    if (std::string words = path_words(study, result.path); !words.empty()) {
-        text.push_back(std::move(words));
-    }
+    say(text, drift_words(study, result.drifts));
+    say(text, mesh_words(study, result.mesh));
+    say(text, path_words(study, result.path));
     if (study.external && !study.external->derivative_words().empty()) {
         text.push_back(study.external->derivative_words());
     }

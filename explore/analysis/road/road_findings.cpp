@@ -1,6 +1,7 @@
 #include "analysis/road/road_findings.h"
 
 #include "analysis/common/floor.h"
+#include "analysis/common/say.h"
 #include "analysis/survey/weak_stations.h"
 
 #include "base/text.h"
@@ -215,9 +216,7 @@ std::string course_length_words(double length_m, double stretch_m) {
 
 std::vector<std::string> findings_of(const RoadResult& result) {
     std::vector<std::string> words;
-    if (std::string weak = weak_words(result.survey); !weak.empty()) {
-        words.push_back(std::move(weak));
-    }
+    say(words, weak_words(result.survey));
     for (const CommonParameter& p : result.common) {
         words.push_back(common_words(result, p));
     }

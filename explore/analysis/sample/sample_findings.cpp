@@ -1,5 +1,6 @@
 #include "analysis/common/knowledge_words.h"
 #include "analysis/common/limit_words.h"
+#include "analysis/common/say.h"
 #include "analysis/common/sought_noise.h"
 #include "analysis/sample/sample.h"
 
@@ -251,9 +252,7 @@ std::vector<std::string> findings(const SampleResult& result) {
         }
     }
     if (result.held) {
-        if (std::string words = active_constraints(result.problem, *result.held).words; !words.empty()) {
-            text.push_back(std::move(words));
-        }
+        say(text, active_constraints(result.problem, *result.held).words);
     }
     if (!result.problem.limits.empty()) {
         text.push_back(
@@ -265,9 +264,7 @@ std::vector<std::string> findings(const SampleResult& result) {
                   "counts all that they forbid as prior, and cannot be compared with that of another model.");
     }
     text.push_back(answer_words(result));
-    if (std::string words = limit_words(result.study); !words.empty()) {
-        text.push_back(std::move(words));
-    }
+    say(text, limit_words(result.study));
     if (result.noise_scale) {
         text.push_back(noise_scale_words(result.study, *result.noise_scale));
     }

@@ -1,5 +1,6 @@
 #include "analysis/survey/survey_findings.h"
 
+#include "analysis/common/say.h"
 #include "analysis/survey/survey_copies.h"
 #include "analysis/survey/survey_noise.h"
 #include "analysis/survey/survey_places.h"
@@ -313,9 +314,7 @@ void add_sensors(const SurveyResult& result, std::vector<std::string>& words) {
                 low.percent > 0.0 ? "softens" : "stiffens", low.percent > 0.0 ? "bilinear" : "uzan"));
         }
     }
-    if (std::string tried = trial_words(result); !tried.empty()) {
-        words.push_back(std::move(tried));
-    }
+    say(words, trial_words(result));
 }
 
 // Bounds that are met so often that the study is in question.
@@ -371,18 +370,14 @@ void add_lives(const SurveyResult& result, std::vector<std::string>& words) {
 
 std::vector<std::string> findings_of(const SurveyResult& result) {
     std::vector<std::string> words;
-    if (std::string weak = weak_words(result); !weak.empty()) {
-        words.push_back(std::move(weak));
-    }
+    say(words, weak_words(result));
     for (std::string doubt : {doubtful_places(result), copied_stations(result)}) {
         if (!doubt.empty()) {
             words.push_back(std::move(doubt));
         }
     }
     add_lives(result, words);
-    if (std::string rejected = rejected_words(result); !rejected.empty()) {
-        words.push_back(std::move(rejected));
-    }
+    say(words, rejected_words(result));
     words.insert(words.end(), result.remarks.begin(), result.remarks.end());
     const auto stations = result.stations.size();
     const auto without_place = result.count([](const StationResult& s) { return !s.station.chainage_m; });
@@ -431,9 +426,7 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
             "Repeated drops repeat a reading within {:.1f} % (one standard deviation){}", 100.0 * *result.repeatability,
             *result.repeatability > noisy_share ? ", which is poor: sensors repeat within 1 to 2 %." : "."));
     }
-    if (std::string noise = noise_factor_words(result); !noise.empty()) {
-        words.push_back(std::move(noise));
-    }
+    say(words, noise_factor_words(result));
     add_light(result, words);
     add_drops(result, words);
     add_resolution(result, words);

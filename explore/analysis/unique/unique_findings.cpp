@@ -2,6 +2,7 @@
 #include "analysis/common/layout.h"
 #include "analysis/common/limit_words.h"
 #include "analysis/common/range_shape.h"
+#include "analysis/common/say.h"
 #include "analysis/common/sought_noise.h"
 #include "analysis/unique/unique.h"
 
@@ -182,7 +183,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     const Uniqueness& u = result.answer;
     const NextReading& next = result.next;
     const auto outputs = study.outputs();
-    const auto say = [&](std::string sentence) { text.push_back(std::move(sentence)); };
+    const auto say = [&](std::string sentence) { analysis::say(text, std::move(sentence)); };
     const auto constraints = u.acceptance ? active_constraints(result.problem, u.minima[0]) : ActiveConstraints{};
     switch (u.verdict) {
     case Verdict::unique: say(unique_words(space, u, constraints.contradicted)); break;
@@ -207,9 +208,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (u.verdict == Verdict::non_unique && !u.missing.empty()) {
         say("Not settled beyond that: " + pave::join(u.missing) + ".");
     }
-    if (std::string words = constraints.words; !words.empty()) {
-        say(std::move(words));
-    }
+    say(constraints.words);
     if (u.priors) {
         for (std::string& sentence : prior_findings(result.problem, *u.priors)) {
             say(std::move(sentence));
@@ -245,9 +244,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
     if (!wide.empty()) {
         say(fmt::format("The data accept {}, if the others follow.", pave::join(wide)));
     }
-    if (std::string words = shape_words(result.problem, u); !words.empty()) {
-        say(std::move(words));
-    }
+    say(shape_words(result.problem, u));
     if (result.posterior) {
         for (std::string& words : posterior_words(study, *result.posterior)) {
             say(std::move(words));
@@ -295,9 +292,7 @@ std::vector<std::string> findings(const UniqueResult& result) {
             : joined ? fmt::format("joined by a way on which chi2 rises by {} at most: one valley", figure(p.pass.rise))
                      : fmt::format("the lowest way found between them rises chi2 by {}", figure(p.pass.rise))));
     }
-    if (std::string words = limit_words(study); !words.empty()) {
-        say(std::move(words));
-    }
+    say(limit_words(study));
     if (acceptance.widened) {
         say(fmt::format(
             "The model does not fit these data within their stated noise ({} = {} with {}, {}). The "
@@ -367,24 +362,14 @@ std::vector<std::string> findings(const UniqueResult& result) {
     for (std::string& words : output_words(study, result.outputs)) {
         say(std::move(words));
     }
-    if (std::string words = mesh_words(study, result.mesh); !words.empty()) {
-        say(std::move(words));
-    }
-    if (std::string words = path_words(study, result.path); !words.empty()) {
-        say(std::move(words));
-    }
+    say(mesh_words(study, result.mesh));
+    say(path_words(study, result.path));
     if (study.external && !study.external->derivative_words().empty()) {
         say(study.external->derivative_words());
     }
-    if (const std::string weights = weights_words(study); !weights.empty()) {
-        say(weights);
-    }
-    if (std::string words = noise_key_words(study); !words.empty()) {
-        say(std::move(words));
-    }
-    if (std::string words = misfit_words(study); !words.empty()) {
-        say(std::move(words));
-    }
+    say(weights_words(study));
+    say(noise_key_words(study));
+    say(misfit_words(study));
     if (result.reduced) {
         say(model_words(result.options.model));
     }
