@@ -275,7 +275,8 @@ private:
         auto applied = first.applied;
         applied.size = effect.size;
         effect.words = first.applied.effect->in_words(applied);
-        if (constexpr std::string_view some = "the sensor "; lacks_[effect.candidate].offset_mm) { // say which
+        constexpr std::string_view some = "the sensor ";
+        if (lacks_[effect.candidate].offset_mm && effect.words.starts_with(some)) { // say which
             effect.words = effect.on + " " + effect.words.substr(some.size());
         }
         return true;

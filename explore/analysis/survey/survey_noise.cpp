@@ -13,8 +13,13 @@ double noise_factor(const SurveyResult& result) {
     std::vector<double> shares; // of the median chi2
     unsigned above = 0;
     for (const StationResult& s : result.stations) {
-        if (s.is_fitted() && s.fit->local.noise_is_stated && s.fit->local.degrees_of_freedom > 0) {
-            shares.push_back(s.fit->local.chi2 / gsl_cdf_chisq_Pinv(0.5, s.fit->local.degrees_of_freedom));
+        if (!s.is_fitted()) {
+            continue;
+        }
+        const landscape::LocalAnalysis& local = s.fit->local;
+        const bool is_normal = local.expected_chi2 == local.degrees_of_freedom; // of Student's it is simulated
+        if (local.noise_is_stated && local.degrees_of_freedom > 0 && is_normal) {
+            shares.push_back(local.chi2 / gsl_cdf_chisq_Pinv(0.5, local.degrees_of_freedom));
             above += shares.back() > 1.0 ? 1 : 0;
         }
     }
