@@ -141,7 +141,7 @@ Answer map_answer(const MapResult& map, const analysis::RunOptions& run) {
     }
     const std::string folder = run::shell_word(run.folder);
     answer.next =
-        fmt::format("pavescape fit {} --from {}\nPicture: pavescape plot {} map\nAll points: pavescape export "
+        fmt::format("pavescape fit {} --from {}\nPicture: pavescape plot {} landscape\nAll points: pavescape export "
                     "{} --command map",
                     run::shell_word(map.study.file), folder, folder, folder);
     return answer;

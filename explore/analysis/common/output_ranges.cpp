@@ -396,8 +396,7 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
             deviations.push_back(std::hypot(std::min(farthest, larger * said.deviation[at]), of_mesh[at]));
         }
         const double value = best.responses[outputs[o]];
-        auto [low, high] = range_if_right(if_right, at, std::abs(of_mesh[at]), tail);
-        at_bound.widen(at, value, std::abs(of_mesh[at]), low, high);
+        const auto [low, high] = range_if_right(if_right, at, std::abs(of_mesh[at]), tail);
         const double below = diagnose::mixture_quantile(weights, means, deviations, tail);
         const double above = diagnose::mixture_quantile(weights, means, deviations, 1.0 - tail);
         OutputUncertainty range{.reading = outputs[o],
@@ -415,6 +414,12 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
         if (value < 0.0) {
             std::swap(range.wide_low, range.wide_high);
         }
+        double held_low = low;
+        double held_high = high;
+        at_bound.widen(at, value, std::abs(of_mesh[at]), held_low, held_high);
+        // Linear theory reaches no farther than for a model that may lack something.
+        range.low = std::min(low, std::max(held_low, range.wide_low));
+        range.high = std::max(high, std::min(held_high, range.wide_high));
         if (others.size() > 0) { // other minima are no less possible where the model lacks something
             range.wide_low = std::min(range.wide_low, range.low);
             range.wide_high = std::max(range.wide_high, range.high);
