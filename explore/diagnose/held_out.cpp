@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
 
 namespace explore::diagnose {
@@ -85,22 +84,17 @@ private:
              const OnCoarse& coarse, const Fits& found) {
         constexpr double lower = 0.1; // chi2
         const int first = next();
-        std::vector<std::size_t> of;
         std::vector<Start> all;
         for (std::size_t f = 0; f < starts.size(); ++f) {
-            if (starts[f].empty()) {
-                continue;
-            }
             FitSettings settings =
                 found.empty() ? for_residuals(&coarse.evaluation, d_.variance) : FitSettings{.secant_below = INFINITY};
             if (!found.empty() && found[f]) {
                 settings.worth = found[f]->sum - lower * d_.variance;
             }
             settings.on_coarse = &coarse.shift;
-            of.push_back(f);
             all.push_back({starts[f], &targets[f], settings});
         }
-        return spread(of, fit_in_step(task_.bench, members, first, all, d_.variance));
+        return fit_in_step(task_.bench, members, first, all, d_.variance);
     }
 
     // Results of the coarse mesh, as the study's own has them; where the two part, fitted on from there on that
@@ -124,8 +118,7 @@ private:
                                    residuals[f] = problem.setting_apart(targets[f].left_out).residuals(there[f]);
                                }
                            });
-        std::vector<std::size_t> apart;
-        std::vector<Start> all;
+        std::vector<Start> apart(found.size());
         for (const std::size_t f : of) {
             if (!there[f].converged()) {
                 found[f].reset();
@@ -135,24 +128,17 @@ private:
             const double more = counted_sum(residuals[f], targets[f]) - counted_sum(found[f]->residuals, targets[f]);
             if (std::abs(more) > alike * d_.variance) {
                 there[f].jacobian = known.evaluation.jacobian;
-                apart.push_back(f);
-                all.push_back({found[f]->unit, &targets[f], for_residuals(&there[f], d_.variance)});
+                apart[f] = {found[f]->unit, &targets[f], for_residuals(&there[f], d_.variance)};
             } else {
                 found[f]->residuals = std::move(residuals[f]);
             }
         }
-        Fits own = fit_in_step(task_.bench, known.members, further, all, d_.variance);
-        for (std::size_t i = 0; i < apart.size(); ++i) {
-            found[apart[i]] = std::move(own[i]);
+        Fits own = fit_in_step(task_.bench, known.members, further, apart, d_.variance);
+        for (std::size_t f = 0; f < found.size(); ++f) {
+            if (!apart[f].unit.empty()) {
+                found[f] = std::move(own[f]);
+            }
         }
-    }
-
-    Fits spread(const std::vector<std::size_t>& of, Fits found) const {
-        Fits all(rest_.size());
-        for (std::size_t i = 0; i < of.size(); ++i) {
-            all[of[i]] = std::move(found[i]);
-        }
-        return all;
     }
     static void keep_lower_of_each(Fits& best, Fits found) {
         for (std::size_t f = 0; f < found.size(); ++f) {

@@ -240,16 +240,23 @@ std::optional<Model> fit_from(Workbench& bench, const Members& members, int numb
 std::vector<std::optional<Model>> fit_in_step(Workbench& bench, const Members& members, int first,
                                               const std::vector<Start>& starts, double variance) {
     std::vector<std::optional<Model>> found(starts.size());
-    if (starts.empty()) {
+    std::vector<std::size_t> with_start;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+        if (!starts[i].unit.empty()) {
+            with_start.push_back(i);
+        }
+    }
+    if (with_start.empty()) {
         return found;
     }
     bench.chains(
-        members, first, starts.size(),
+        members, first, with_start.size(),
         [&](const problem::Problem& problem, std::size_t i, run::Chain& chain) {
-            const Start& own = starts[i];
-            found[i] = fit_as_needed(chain, problem, members, own.unit, variance, *own.target, own.settings);
+            const Start& own = starts[with_start[i]];
+            found[with_start[i]] =
+                fit_as_needed(chain, problem, members, own.unit, variance, *own.target, own.settings);
         },
-        mesh_of(starts[0].settings));
+        mesh_of(starts[with_start[0]].settings));
     return found;
 }
 

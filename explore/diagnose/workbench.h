@@ -172,7 +172,7 @@ std::optional<Model> fit_from(Workbench& bench, const Members& members, int numb
 // The same of several fits of one model that go in step, kept under numbers from `first` on; all are on the coarse mesh
 // (settings.on_coarse), or none is.
 struct Start {
-    std::vector<double> unit;
+    std::vector<double> unit; // empty: there is none, and no fit
     const Target* target = nullptr;
     FitSettings settings{};
 };

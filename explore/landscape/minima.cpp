@@ -41,6 +41,14 @@ double noise_of_misfit(const run::Endpoint& lower, const problem::Problem& by_no
 
 } // namespace
 
+Minimum minimum_at(problem::Evaluation evaluation, std::vector<double> unit) {
+    Minimum there;
+    there.evaluation = std::move(evaluation);
+    there.on_bound = bounds_met(unit);
+    there.unit = std::move(unit);
+    return there;
+}
+
 bool fit_alike(const run::Endpoint& lower, const run::Endpoint& other, const problem::Problem& by_noise) {
     const double noise = noise_of_misfit(lower, by_noise);
     return by_noise.misfit(other.evaluation) - by_noise.misfit(lower.evaluation) < 0.1 * noise &&

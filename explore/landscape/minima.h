@@ -49,6 +49,9 @@ struct Minimum {
     std::optional<problem::Evaluation> alone{};
 };
 
+// A point as a minimum, with where it lies on bounds; evaluation: there, with jacobian.
+Minimum minimum_at(problem::Evaluation evaluation, std::vector<double> unit);
+
 // Whether two ends are one minimum by themselves: they lie within 1 % of the box of each other, or the misfit tells
 // them apart by less than its own noise: they fit alike (the misfit differs by less than a tenth of one noise level,
 // the residuals by less than one), and so do the linearised residuals between them. The noise is the stated one;
@@ -86,6 +89,8 @@ struct LocalAnalysis {
     std::vector<double> standard_error;
     // A 95 % range of half of what the study allows leaves the parameter about as unknown as it was.
     static constexpr double undetermined = 0.5;
+    // A bound that the readings contradict is no knowledge.
+    bool bounds_count() const { return p_value >= contradicted; }
     bool determines(std::size_t parameter) const { return 2.0 * quantile() * standard_error[parameter] < undetermined; }
     // |root d + rest|^2 is, but for a constant, how far a move d of the unit coordinates lies from what the readings
     // say, in units of their noise: root' root is the inverse of that covariance. Empty: no noise is known.
@@ -101,7 +106,7 @@ struct LocalAnalysis {
     Eigen::VectorXd leverage{}; // of each residual: the share of it that parameters off their bounds follow (diagonal
                                 // of the hat matrix)
 };
-// noise_factor: as often larger than stated the noise is at least, by what else is known of it.
+// noise_factor: how many times larger than stated the noise is at least, by what else is known of it.
 LocalAnalysis analyse(const Minimum& minimum, const problem::Problem& problem, double noise_factor = 1.0);
 
 } // namespace explore::landscape

@@ -2,6 +2,7 @@
 import json
 import math
 import re
+import shutil
 
 import pytest
 
@@ -144,7 +145,12 @@ def test_a_parameter_that_the_box_stops():
 
 
 def test_what_stays_open_beside_a_bound_is_in_the_first_sentence():
-    fit = answer("fit", ROOT / "grids/captif-p1-unique-fwd.toml", "--explore", 64, "--starts", 4)
+    study = folder / "valley" / "study.toml"
+    study.parent.mkdir()
+    study.write_text((ROOT / "grids/captif-p1-unique-fwd.toml").read_text())
+    for data in (ROOT / "grids").glob("captif-p1*.csv"):
+        shutil.copy(data, study.parent)
+    fit = answer("fit", study, "--explore", 64, "--starts", 4)
     assert fit["at_bounds"], "a case with a parameter on its bound"
     scales = {p["name"]: (p["min"], p["max"], math.log if p["scale"] == "log" else float) for p in fit["parameters"]}
     def share(name, low, high):

@@ -414,12 +414,11 @@ std::vector<OutputUncertainty> output_ranges(const study::Study& study, const st
         if (value < 0.0) {
             std::swap(range.wide_low, range.wide_high);
         }
-        double held_low = low;
-        double held_high = high;
-        at_bound.widen(at, value, std::abs(of_mesh[at]), held_low, held_high);
-        // Linear theory reaches no farther than for a model that may lack something.
-        range.low = std::min(low, std::max(held_low, range.wide_low));
-        range.high = std::max(high, std::min(held_high, range.wide_high));
+        if (const auto held = at_bound.of(at, value, std::abs(of_mesh[at]))) {
+            // Linear theory reaches no farther than for a model that may lack something.
+            range.low = std::min(low, std::max(held->first, range.wide_low));
+            range.high = std::max(high, std::min(held->second, range.wide_high));
+        }
         if (others.size() > 0) { // other minima are no less possible where the model lacks something
             range.wide_low = std::min(range.wide_low, range.low);
             range.wide_high = std::max(range.wide_high, range.high);

@@ -107,26 +107,23 @@ Right right_at(const problem::Problem& plain, const Said& here, const problem::E
 RangeAtBound::RangeAtBound(const problem::Problem& plain, const Slopes& unbounded, const problem::Evaluation& best,
                            double noise)
     : plain_(plain),
-      slopes_(unbounded) {
-    there_.evaluation = best;
-    there_.unit.assign(unbounded.at.begin(), unbounded.at.end());
-    there_.on_bound = landscape::bounds_met(there_.unit);
+      slopes_(unbounded),
+      there_(landscape::minimum_at(best, {unbounded.at.begin(), unbounded.at.end()})) {
     if (!there_.on_bound.empty()) {
         local_ = landscape::analyse(there_, plain, std::max(1.0, noise));
     }
 }
 
-void RangeAtBound::widen(Index output, double value, double mesh, double& low, double& high) const {
+std::optional<std::pair<double, double>> RangeAtBound::of(Index output, double value, double mesh) const {
     const auto held =
         local_ ? landscape::held_range(plain_, there_, *local_, slopes_.output_rows.row(output).transpose(), true)
                : std::nullopt;
-    if (held) {
-        const double of_mesh = inference::two_sided_95 * mesh;
-        const double a = value * std::exp(-std::hypot(held->low, of_mesh));
-        const double b = value * std::exp(std::hypot(held->high, of_mesh));
-        low = std::min({low, a, b});
-        high = std::max({high, a, b});
+    if (!held) {
+        return std::nullopt;
     }
+    const double of_mesh = inference::two_sided_95 * mesh;
+    return std::minmax(
+        {value * std::exp(-std::hypot(held->low, of_mesh)), value * std::exp(std::hypot(held->high, of_mesh))});
 }
 
 std::pair<double, double> range_if_right(const Right& right, Index output, double mesh, double tail) {

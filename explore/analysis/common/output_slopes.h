@@ -31,14 +31,14 @@ struct Right {
 Right right_at(const problem::Problem& plain, const diagnose::Said& here, const problem::Evaluation& best,
                const std::vector<std::vector<double>>& others, const std::vector<std::size_t>& outputs, double noise);
 
-// On a bound the model gives way to one side, which Said leaves out: the range of an output with that, where it is
-// wider. unbounded: slopes at the point without hold_bounds().
+// On a bound the model gives way to one side, which Said leaves out: 95 % of an output with that. unbounded: slopes at
+// the point without hold_bounds().
 class RangeAtBound {
 public:
     RangeAtBound(const problem::Problem& plain, const diagnose::Slopes& unbounded, const problem::Evaluation& best,
                  double noise);
-    // value: of the output; mesh: error of ln|output|.
-    void widen(Eigen::Index output, double value, double mesh, double& low, double& high) const;
+    // value: of the output; mesh: error of ln|output|. Nothing: no bound changes it.
+    std::optional<std::pair<double, double>> of(Eigen::Index output, double value, double mesh) const;
 
 private:
     const problem::Problem& plain_;

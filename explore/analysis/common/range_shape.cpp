@@ -62,7 +62,7 @@ std::vector<std::optional<RangeShape>> range_shapes(const problem::Problem& prob
     }
     const landscape::Minimum& best = u.minima[0];
     const auto local = landscape::analyse(best, problem);
-    const auto held = landscape::held_ranges(problem, best, local, local.p_value >= landscape::contradicted);
+    const auto held = landscape::held_ranges(problem, best, local, local.bounds_count());
     for (std::size_t k = 0; k < u.parameters.size(); ++k) {
         const problem::Axis& axis = problem.space.axes[k];
         const double deviation = std::sqrt(u.acceptance->threshold) * local.standard_error[k];

@@ -6,10 +6,10 @@
 namespace explore::analysis {
 
 struct RangeShape {
-    double gaussian_low = 0.0,
-           gaussian_high = 0.0; // physical: what the accepted rise leaves to first order (held_ranges.h), in the box
-    double ratio = 1.0;         // of the walked range to it, on the parameter's scale
-    std::string reason{};       // why they differ by more than a fifth; "": they do not
+    // Physical: what the accepted rise leaves to first order (held_ranges.h), in the box.
+    double gaussian_low = 0.0, gaussian_high = 0.0;
+    double ratio = 1.0;   // of the walked range to it, on the parameter's scale
+    std::string reason{}; // why they differ by more than a fifth; "": they do not
 };
 
 // Ranges that differ by more than this share of their width are said to differ.

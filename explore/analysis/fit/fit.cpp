@@ -127,9 +127,7 @@ std::optional<FitResult> fit(Session& session, const study::Study& given, const 
     result.drifts = sensor_drifts(study, best.evaluation);
     result.joint = group_fit(study, predictor, "all", result.problem, best);
     result.local = result.joint->local;
-    // A bound that the readings contradict is no knowledge.
-    const bool bounds_count = result.local.p_value >= landscape::contradicted;
-    result.held = landscape::held_ranges(result.problem, best, result.local, bounds_count);
+    result.held = landscape::held_ranges(result.problem, best, result.local, result.local.bounds_count());
     if (!result.problem.priors().empty()) {
         const problem::Problem by_noise = result.problem.in_units_of_noise();
         if (const auto acceptance = landscape::acceptance_of(by_noise, best)) {

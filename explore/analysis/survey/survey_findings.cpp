@@ -90,7 +90,6 @@ bool is_often_met(const SurveyResult& result, const landscape::BoundMet& bound) 
     return on >= least_often && static_cast<double>(on) >= often * static_cast<double>(all);
 }
 
-// "the stated noise": of what the study states; else of what is taken.
 void add_fit(const SurveyResult& result, const StationResult& s, std::vector<std::string>& words) {
     const StationFit& fit = *s.fit;
     for (const landscape::BoundMet& bound : fit.best.on_bound) {
@@ -382,8 +381,8 @@ std::vector<std::string> findings_of(const SurveyResult& result) {
     const auto stations = result.stations.size();
     const auto without_place = result.count([](const StationResult& s) { return !s.station.chainage_m; });
     if (without_place > 0) {
-        words.push_back(
-            fmt::format("{} of {} stations have no chainage: they stand at the end.", without_place, stations));
+        words.push_back(fmt::format("{} of {} stations {} no chainage, and {} at the end.", without_place, stations,
+                                    without_place == 1 ? "has" : "have", without_place == 1 ? "stands" : "stand"));
     }
     const auto doubted = [](const StationResult& s) { return s.bowls && !s.bowls->doubt.empty(); };
     if (const auto doubts = result.count(doubted); doubts > 0) {

@@ -10,7 +10,7 @@ namespace explore::analysis {
 // stations above that median in more than 1 % (sign test). One station has too few readings to tell, a road has many.
 double noise_factor(const SurveyResult& result);
 
-// "the stated noise"
+// "the stated noise": of what the study states; else of what is taken.
 std::string_view noise_words(const SurveyResult& result);
 // Empty: it is as large as it is taken.
 std::string noise_factor_words(const SurveyResult& result);
