@@ -51,15 +51,72 @@ std::vector<Beyond> beyond_ends(const problem::ParameterSpace& space, const Uniq
     for (std::size_t i = 0; i < furthest.size(); ++i) {
         if (furthest[i] != nullptr) {
             Beyond& one = beyond.emplace_back(Beyond{i / 2, i % 2 == 0 ? -1 : 1, *furthest[i]});
-            one.point.value = one.point.unit[one.axis];
+            one.point.value = one.point.unit[one.quantity];
             one.point.slope = 0.0;
         }
     }
     return beyond;
 }
 
-void walked_on(const problem::Problem& problem, Beyond from, Branch walked, Range& range) {
-    const problem::Axis& axis = problem.space.axes[from.axis];
+std::optional<std::vector<Beyond>> outputs_beyond(const std::vector<std::size_t>& responses, const Expected& expected,
+                                                  run::Engine& everything, int first, Uniqueness& u) {
+    const auto may_be_beyond = [&](const std::vector<double>& unit) {
+        const Eigen::VectorXd values = expected ? expected(unit) : Eigen::VectorXd();
+        bool is_beyond = !expected;
+        for (Eigen::Index o = 0; o < values.size(); ++o) {
+            const Range& range = u.outputs[static_cast<std::size_t>(o)];
+            is_beyond = is_beyond || values[o] < range.low || values[o] > range.high;
+        }
+        return is_beyond;
+    };
+    std::vector<std::vector<double>> ends;
+    for (const Branch* branch : walks_of(u)) {
+        if (!branch->limit_unit.empty() && std::find(ends.begin(), ends.end(), branch->limit_unit) == ends.end() &&
+            may_be_beyond(branch->limit_unit)) {
+            ends.push_back(branch->limit_unit);
+        }
+    }
+    std::vector<problem::Evaluation> there(ends.size());
+    if (!everything.chains("outputs", first, ends.size(),
+                           [&](std::size_t i, run::Chain& chain) { there[i] = chain.at(ends[i], false); })) {
+        return std::nullopt;
+    }
+    std::vector<Beyond> beyond;
+    for (std::size_t o = 0; o < responses.size(); ++o) {
+        Range& range = u.outputs[o];
+        constexpr double hair = 5e-3; // of the range
+        const double allowed = hair * (range.high - range.low);
+        for (const int sign : {-1, 1}) {
+            const ProfilePoint* furthest = nullptr;
+            ProfilePoint point;
+            for (std::size_t i = 0; i < ends.size(); ++i) {
+                if (!there[i].converged()) {
+                    continue;
+                }
+                const double value = there[i].responses[responses[o]];
+                const double end = furthest != nullptr ? furthest->value : sign > 0 ? range.high : range.low;
+                if (sign * (value - end) > 0.0) {
+                    point.value = value;
+                    point.unit = ends[i];
+                    point.evaluation = there[i];
+                    furthest = &point;
+                }
+            }
+            if (furthest == nullptr) {
+                continue;
+            }
+            if (sign * (point.value - (sign > 0 ? range.high : range.low)) > allowed) {
+                beyond.push_back({o, sign, std::move(point)});
+            } else {
+                (sign > 0 ? range.high : range.low) = point.value;
+                (sign > 0 ? range.high_set : range.low_set) = point.evaluation.parameters;
+            }
+        }
+    }
+    return beyond;
+}
+
+void walked_on(const problem::ParameterSpace& space, Beyond from, Branch walked, double to, Range& range) {
     const bool up = from.sign > 0;
     // The branch of that side that came furthest: what it met beyond the new point was of its own neighbourhood.
     Branch* own = nullptr;
@@ -76,11 +133,11 @@ void walked_on(const problem::Problem& problem, Beyond from, Branch walked, Rang
     own->limit_unit = std::move(walked.limit_unit);
     own->on_bound = std::move(walked.on_bound);
     own->on_limit = std::move(walked.on_limit);
-    (up ? range.high : range.low) = axis.physical(own->limit);
+    (up ? range.high : range.low) = to;
     (up ? range.high_end : range.low_end) = own->end;
     (up ? range.high_bounds : range.low_bounds) = own->on_bound;
     (up ? range.high_limits : range.low_limits) = own->on_limit;
-    (up ? range.high_set : range.low_set) = problem.space.physical(own->limit_unit);
+    (up ? range.high_set : range.low_set) = space.physical(own->limit_unit);
 }
 
 void reach_accepted(const problem::ParameterSpace& space, Uniqueness& u) {

@@ -19,7 +19,7 @@ Directions directions(const problem::Problem& problem, const Acceptance& accepta
     const MatrixXd s = problem.information_jacobian(minimum.evaluation) / acceptance.noise();
     std::vector<Index> open;
     for (std::size_t k = 0; k < minimum.unit.size(); ++k) {
-        if (s.col(static_cast<Index>(k)).norm() < std::sqrt(acceptance.threshold)) {
+        if (s.col(static_cast<Index>(k)).norm() < 1.0) {
             d.dead.push_back(k);
         }
         if (!is_at_bound(minimum.unit[k])) {

@@ -25,7 +25,7 @@ struct Directions {
     std::vector<Eigen::VectorXd> vectors; // unit coordinates, 0 for parameters on a bound
     double collinearity = 1.0;     // 1 / sqrt(lowest eigenvalue of the columns' correlation matrix): Brun, Reichert
                                    // and Kuensch (2001, Water Resources Research 37); above 10 to 15 is near dependence
-    std::vector<std::size_t> dead; // axes that move no reading beyond its noise, from bound to bound
+    std::vector<std::size_t> dead; // axes that move the readings by less than their noise, from bound to bound
     std::vector<std::size_t> flat; // indices of singular vectors: half the box along them stays acceptable
     std::vector<std::size_t> free; // axes that the flat directions move: not determined
     std::vector<Combination> fixed; // combinations across the flat directions

@@ -1,6 +1,6 @@
 #include "landscape/held_ranges.h"
 
-#include "optimise/linear_rows.h"
+#include "optimise/linear_reach.h"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -50,7 +50,7 @@ public:
         }
         if (is_held()) {
             const optimise::LinearRows rows(sample_, none_);
-            lowest_ = rows.half(rows.lowest(damping, low_, high_));
+            lowest_ = 2.0 * rows.half(rows.lowest(damping, low_, high_));
         }
     }
 
@@ -66,34 +66,9 @@ public:
 
     // How far that function may move up (sign 1) or down (-1).
     double reach(const VectorXd& gradient, double sign) const {
-        const double size = gradient.norm();
-        double within = 0.0;
-        double beyond = 0.0; // the farthest corner of the cube
-        for (Index k = 0; k < gradient.size(); ++k) {
-            beyond += std::max(sign * gradient[k] * low_[k], sign * gradient[k] * high_[k]);
-        }
-        optimise::Sample target = sample_;
-        const Index rows = sample_.jacobian.rows();
-        constexpr double steep = 1e5; // beside all that the readings say
-        const double weight = steep * std::max(1.0, sample_.jacobian.norm()) / std::max(size, 1e-300);
-        target.jacobian.conservativeResize(rows + 1, Eigen::NoChange);
-        target.jacobian.row(rows) = weight * gradient.transpose();
-        target.residuals.conservativeResize(rows + 1);
-        const auto rise = [&](double move) {
-            target.residuals[rows] = -weight * sign * move;
-            const optimise::LinearRows linear(target, none_);
-            return 2.0 * (linear.half(linear.lowest(damping, low_, high_)) - lowest_);
-        };
-        const double allowed = quantile_ * quantile_;
-        if (rise(beyond) <= allowed) {
-            return sign * beyond;
-        }
-        constexpr int halvings = 40;
-        for (int i = 0; i < halvings; ++i) {
-            const double middle = 0.5 * (within + beyond);
-            (rise(middle) <= allowed ? within : beyond) = middle;
-        }
-        return sign * within;
+        return optimise::LinearReach(sample_, low_, high_, gradient, damping)
+            .until(sign, quantile_ * quantile_, lowest_)
+            .change;
     }
 
     // Nothing: the range is the symmetric one.
@@ -116,7 +91,7 @@ private:
     VectorXd centre_; // the move to what the readings say by themselves
     std::vector<std::size_t> reached_;
     std::vector<BoundMet> bounds_;
-    double lowest_ = 0.0; // half of the sum of squares
+    double lowest_ = 0.0; // sum of squares
     MatrixXd none_;
 };
 

@@ -40,7 +40,7 @@ public:
             }
             if (std::any_of(branches_.begin(), branches_.end(),
                             [](const Branch& b) { return b.end == WalkEnd::better; })) {
-                return OutputWalks{std::move(branches_)}; // what is walked to from there will count
+                return OutputWalks{std::move(branches_), {}}; // what is walked to from there will count
             }
             const auto have_answers = run_ends(round);
             if (!have_answers) {
@@ -51,8 +51,11 @@ public:
             }
             settle(round > 0);
             if (open_.empty()) {
-                take_over();
-                return OutputWalks{std::move(branches_)};
+                auto between = std::make_shared<Kriging>(known_);
+                take_over(*between);
+                return OutputWalks{std::move(branches_), [between](const std::vector<double>& unit) -> VectorXd {
+                                       return between->at(unit, false).values;
+                                   }};
             }
         }
         return OutputWalks{};
@@ -147,8 +150,7 @@ private:
     }
 
     // The points of the branches by all that is known now, their ends by the runs themselves.
-    void take_over() {
-        const Kriging between(known_);
+    void take_over(const Kriging& between) {
         for (std::size_t i = 0; i < branches_.size(); ++i) {
             const auto o = static_cast<Index>(output_of(i));
             for (ProfilePoint& point : branches_[i].points) {

@@ -12,6 +12,8 @@ struct OutputWalks {
     // Down and up from each minimum for each output: all of the first output, all of the second, ... The values of
     // ends are those of runs of everything. Empty: such runs do not confirm them, or have no answer.
     std::vector<Branch> branches;
+    // The outputs anywhere, interpolated between all runs; empty with the branches.
+    std::function<Eigen::VectorXd(const std::vector<double>& unit)> between;
 };
 
 // from: the minima to walk from, the best first; complete: the same, each evaluated as task.everything. Chains have

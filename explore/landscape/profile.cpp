@@ -52,32 +52,31 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
     ProfilePoint here = walker.point(from.unit, from.evaluation, quantity);
     branch.limit = here.value;
     const double wall = std::sqrt(acceptance.threshold);
-    double rise_a_step = 0.5 * wall; // of sqrt(chi2)
-    double slope = 0.0;              // of chi2 by the quantity at the minimum: where a bound holds that, it pulls back
+    double stretch = 1.0; // how far steps lead beyond what linear theory has
     for (int step = 0; step < most_steps; ++step) {
-        const VectorXd gradient = quantity.gradient(here.unit, here.evaluation);
-        const MatrixXd h = information(problem, acceptance, here);
-        // A move of unit cost: it raises chi2 by one to second order.
-        VectorXd move = cheapest_move(h, gradient, here.unit, sign);
-        const double cost = std::sqrt(move.dot(h * move));
-        if (!(cost > 0.0)) {
+        const Surroundings around(problem, acceptance, here, quantity.gradient(here.unit, here.evaluation),
+                                  longest_step);
+        const double risen = root(here.rise);
+        const double left = wall - risen;
+        const double wanted =
+            left < 0.75 * wall ? left + 0.1 * wall : 0.5 * wall; // just beyond the end, where it is near
+        optimise::LinearReach::Move move =
+            around.until(sign, std::pow(risen + stretch * wanted, 2) - std::max(0.0, here.rise));
+        if (!(move.change * sign > 0.0)) {
             branch.end = WalkEnd::bound;
             break;
         }
-        if (step == 0 && !bounds_met(here.unit).empty()) {
-            slope = walker.slope(here.evaluation, move) / gradient.dot(move);
+        if (step == 0) { // 0 but where a bound or a limit holds the minimum
+            constexpr double near = 1e-3;
+            here.slope = around.to(near * move.change).slope;
         }
-        const double left = wall - root(here.rise);
-        const double wanted =
-            left < 0.75 * wall ? left + 0.1 * wall : 0.5 * wall; // just beyond the end, where it is near
-        move *= rise_a_step * wanted / (0.5 * wall) / cost;
-        move *= std::min(1.0, longest_step / move.cwiseAbs().maxCoeff());
-        double asked = gradient.dot(move);
         std::optional<ProfilePoint> found;
         for (int halved = 0; halved < 5 && !found; ++halved) {
-            found = walker.lowest(clamped(here.unit, move), quantity, {.target = here.value + asked, .slope = slope});
-            move *= 0.5;
-            asked *= found ? 1.0 : 0.5;
+            found = walker.lowest(clamped(here.unit, move.d), quantity,
+                                  {.target = here.value + move.change, .slope = move.slope, .away_from = here.value});
+            if (!found) {
+                move = around.to(0.5 * move.change);
+            }
         }
         if (!found) {
             branch.end = WalkEnd::hole;
@@ -93,7 +92,7 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
             walker.cross(std::move(here), std::move(*found), quantity, branch);
             return branch;
         }
-        if (gained < 0.02 * std::abs(asked)) { // nothing in the box moves it further, or only up to the bound
+        if (gained < 0.02 * std::abs(move.change)) { // nothing in the box moves it further, or only up to the bound
             if (gained > 0.0) {
                 here = *found;
                 branch.limit = here.value;
@@ -102,8 +101,12 @@ Branch walk(run::Chain& chain, const problem::Problem& problem, const Acceptance
             branch.end = WalkEnd::bound;
             break;
         }
-        const double rose = root(found->rise) - root(here.rise);
-        rise_a_step *= std::clamp(wanted / std::max(rose, 1e-12), 0.5, 3.0);
+        const double expected = root(here.rise + move.rise) - risen;
+        constexpr double tells = 0.05; // of the wall
+        if (expected > tells * wall) {
+            const double rose = root(found->rise) - risen;
+            stretch = std::clamp(expected / std::max(rose, 1e-12), 0.5 * stretch, 3.0 * stretch);
+        }
         here = *found;
         branch.limit = here.value;
         branch.points.push_back(std::move(*found));

@@ -6,6 +6,7 @@
 #include "landscape/multistart.h"
 #include "landscape/output_walks.h"
 #include "landscape/readings_alone.h"
+#include "landscape/walker.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,6 +29,10 @@ constexpr int first_of(Part part, int round = 0) {
 constexpr int groups_round = 99;
 constexpr int confirming_round = 98;
 static_assert(first_of(parts, groups_round) <= first_start_of_others);
+
+// Among the chains of outputs: walks from the minima where those between runs fail; from the ends of profiles.
+constexpr int from_minima = chain_range - 20'000;
+constexpr int on_from_profiles = chain_range - 10'000;
 
 constexpr int most_rounds = 4;
 constexpr std::string_view search_method = "gauss-newton";
@@ -255,7 +260,7 @@ private:
         const double best_misfit = result_.minima[0].evaluation.misfit;
         result_.directions = directions(problem, acceptance, result_.minima[0]);
         result_.accepted.clear();
-        constexpr std::size_t most_accepted = 6;
+        constexpr std::size_t most_accepted = 64;
         for (std::size_t m = 0; m < result_.minima.size() && result_.accepted.size() < most_accepted; ++m) {
             if (acceptance.rise(result_.minima[m].evaluation.misfit, best_misfit) < acceptance.threshold) {
                 result_.accepted.push_back(m);
@@ -298,7 +303,7 @@ private:
             range.low = problem.space.axes[k].physical(range.low);
             range.high = problem.space.axes[k].physical(range.high);
         }
-        if (!walk_on(round, best_misfit)) {
+        if (!walk_on(round, quantities)) {
             return false;
         }
         reach_accepted(problem.space, result_);
@@ -312,7 +317,10 @@ private:
                 complete.push_back(std::move(minimum));
             }
             if (std::all_of(complete.begin(), complete.end(), [](const auto& m) { return m.evaluation.converged(); })) {
-                if (!walk_to_outputs(complete, predicted, first_of(predictions, round))) {
+                const int first = first_of(predictions, round);
+                Expected expected;
+                if (!walk_to_outputs(complete, predicted, first, expected) ||
+                    !walk_outputs_on(predicted, expected, first + on_from_profiles)) {
                     return false;
                 }
                 result_.minima[0].evaluation = complete[0].evaluation;
@@ -339,9 +347,17 @@ private:
         const Acceptance& acceptance = *result_.acceptance;
         const auto& accepted = result_.accepted;
         result_.passes.clear();
-        for (std::size_t i = 0; i < accepted.size(); ++i) {
-            for (std::size_t j = i + 1; j < accepted.size(); ++j) {
-                result_.passes.push_back({accepted[i], accepted[j], {}});
+        // Each with the nearest of those that are lower.
+        constexpr std::size_t few = 5;
+        for (std::size_t j = 1; j < accepted.size(); ++j) {
+            const VectorXd here = vector_of(result_.minima[accepted[j]].unit);
+            std::vector<std::size_t> lower(accepted.begin(), accepted.begin() + static_cast<std::ptrdiff_t>(j));
+            const auto distance = [&](std::size_t m) { return (vector_of(result_.minima[m].unit) - here).norm(); };
+            std::stable_sort(lower.begin(), lower.end(),
+                             [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+            lower.resize(std::min(lower.size(), few));
+            for (const std::size_t i : lower) {
+                result_.passes.push_back({i, accepted[j], {}});
             }
         }
         const std::size_t n = result_.passes.size();
@@ -400,7 +416,9 @@ private:
     }
 
     // The ends of the outputs. complete: the alternatives, evaluated as everything. False: interrupted.
-    bool walk_to_outputs(const std::vector<Minimum>& complete, const std::vector<Quantity>& predicted, int first) {
+    // expected: of outputs anywhere, where that is known.
+    bool walk_to_outputs(const std::vector<Minimum>& complete, const std::vector<Quantity>& predicted, int first,
+                         Expected& expected) {
         if (task_.outputs_cost_more) {
             std::vector<Minimum> from;
             std::transform(result_.alternative_of.begin(), result_.alternative_of.end(), std::back_inserter(from),
@@ -411,12 +429,12 @@ private:
             }
             if (!walks->branches.empty()) {
                 result_.outputs = ranges_of(task_.fitted.space, std::move(walks->branches), predicted.size());
+                expected = std::move(walks->between);
                 return true;
             }
         }
-        constexpr int behind_the_others = chain_range - 10'000;
         auto ranges = walk_all(task_.everything_engine, task_.everything, predicted, "outputs",
-                               first + (task_.outputs_cost_more ? behind_the_others : 0), &complete);
+                               first + (task_.outputs_cost_more ? from_minima : 0), &complete);
         if (ranges) {
             result_.outputs = std::move(*ranges);
         }
@@ -456,29 +474,58 @@ private:
         return ranges;
     }
 
-    // Profiles that ended although another walk met accepted sets beyond go on from there. False: interrupted.
-    bool walk_on(int round, double best_misfit) {
-        std::vector<Beyond> from = beyond_ends(task_.fitted.space, result_);
+    // Walks on from sets that the data accept beyond where a range ended. Nothing: interrupted.
+    std::optional<std::vector<Branch>> walks_from(run::Engine& engine, const problem::Problem& problem,
+                                                  const std::vector<Beyond>& from,
+                                                  const std::vector<Quantity>& quantities, const std::string& what,
+                                                  int first) {
         std::vector<Branch> walked(from.size());
-        if (from.empty()) {
-            return true;
+        const double best_misfit = result_.minima[0].evaluation.misfit;
+        if (!from.empty() && !engine.chains(what, first, from.size(), [&](std::size_t i, run::Chain& chain) {
+                const Beyond& one = from[i];
+                const bool has_derivatives = one.point.evaluation.jacobian.size() > 0;
+                const Minimum at =
+                    minimum_at(has_derivatives ? one.point.evaluation : chain.at(one.point.unit), one.point.unit);
+                walked[i] =
+                    walk(chain, problem, *result_.acceptance, at, best_misfit, quantities[one.quantity], one.sign);
+            })) {
+            return std::nullopt;
         }
+        return walked;
+    }
+
+    // Profiles that ended although another walk met accepted sets beyond go on from there. False: interrupted.
+    bool walk_on(int round, const std::vector<Quantity>& quantities) {
+        std::vector<Beyond> from = beyond_ends(task_.fitted.space, result_);
         constexpr int behind_the_others = chain_range / 2;
-        if (!task_.fitted_engine.chains("profile", first_of(profiles, round) + behind_the_others, from.size(),
-                                        [&](std::size_t i, run::Chain& chain) {
-                                            Minimum at;
-                                            at.unit = from[i].point.unit;
-                                            at.evaluation = from[i].point.evaluation;
-                                            walked[i] = walk(chain, task_.fitted, *result_.acceptance, at, best_misfit,
-                                                             coordinate(from[i].axis), from[i].sign);
-                                        })) {
+        auto walked = walks_from(task_.fitted_engine, task_.fitted, from, quantities, "profile",
+                                 first_of(profiles, round) + behind_the_others);
+        for (std::size_t i = 0; walked && i < from.size(); ++i) {
+            Branch& on = (*walked)[i];
+            const problem::Axis& axis = task_.fitted.space.axes[from[i].quantity];
+            Range& range = result_.parameters[from[i].quantity];
+            const double to = axis.physical(on.limit);
+            walked_on(task_.fitted.space, std::move(from[i]), std::move(on), to, range);
+        }
+        return walked.has_value();
+    }
+
+    // The same of outputs, from the ends of the profiles. False: interrupted.
+    bool walk_outputs_on(const std::vector<Quantity>& predicted, const Expected& expected, int first) {
+        auto from = outputs_beyond(task_.outputs, expected, task_.everything_engine, first, result_);
+        if (!from) {
             return false;
         }
-        for (std::size_t i = 0; i < from.size(); ++i) {
-            Range& range = result_.parameters[from[i].axis];
-            walked_on(task_.fitted, std::move(from[i]), std::move(walked[i]), range);
+        constexpr int behind_the_ends = 1'000;
+        auto walked =
+            walks_from(task_.everything_engine, task_.everything, *from, predicted, "outputs", first + behind_the_ends);
+        for (std::size_t i = 0; walked && i < from->size(); ++i) {
+            Branch& on = (*walked)[i];
+            Range& range = result_.outputs[(*from)[i].quantity];
+            const double to = on.limit;
+            walked_on(task_.everything.space, std::move((*from)[i]), std::move(on), to, range);
         }
-        return true;
+        return walked.has_value();
     }
 
     // The minima by a second method. moved: it found lower ones, which are ends from now on. False: interrupted.

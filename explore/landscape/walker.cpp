@@ -22,6 +22,12 @@ constexpr double near_end = 2.5e-4;
 struct Cubic {
     double a, slope_a, b, slope_b; // slopes by the share
 
+    // Whether a curve that only rises, and bends one way, may have these slopes.
+    bool is_plain() const {
+        constexpr double steepest = 3.0;
+        const double most = steepest * (b - a);
+        return slope_a >= 0.0 && slope_a <= most && slope_b >= 0.0 && slope_b <= most;
+    }
     double value(double s) const {
         const double t = 1.0 - s;
         return t * t * ((1.0 + 2.0 * s) * a + s * slope_a) + s * s * ((1.0 + 2.0 * t) * b - t * slope_b);
@@ -122,6 +128,26 @@ VectorXd cheapest_move(const MatrixXd& h, const VectorXd& gradient, const std::v
     return VectorXd::Zero(n);
 }
 
+namespace {
+
+optimise::Sample in_units_of_noise(optimise::Sample rows, double noise) {
+    rows.residuals /= noise;
+    rows.jacobian /= noise;
+    rows.limits /= noise;
+    rows.limit_jacobian /= noise;
+    return rows;
+}
+
+} // namespace
+
+Surroundings::Surroundings(const problem::Problem& problem, const Acceptance& acceptance, const ProfilePoint& at,
+                           const VectorXd& gradient, double longest)
+    : rows_(in_units_of_noise(run::sample_of(problem, at.evaluation), acceptance.noise())),
+      low_((-vector_of(at.unit)).cwiseMax(-longest)),
+      high_((1.0 - vector_of(at.unit).array()).cwiseMin(longest)),
+      here_(2.0 * optimise::LinearRows(rows_, {}).half(VectorXd::Zero(gradient.size()))),
+      reach_(rows_, low_, high_, gradient, 1.0) {}
+
 ProfilePoint Walker::point(std::vector<double> unit, problem::Evaluation evaluation, const Quantity& quantity) const {
     ProfilePoint p;
     p.value = quantity.value(unit, evaluation);
@@ -137,9 +163,12 @@ double Walker::slope(const problem::Evaluation& at, const VectorXd& along) const
 
 std::optional<ProfilePoint> Walker::lowest(const std::vector<double>& start, const Quantity& quantity, const Aim& aim) {
     double weight = 0.0; // set at the first point: stiffer than the data by a factor
+    double expected = aim.slope;
     const auto held = [&](double value) {
-        return weight * (value - aim.target) - 0.5 * aim.slope * acceptance_.variance / weight;
+        return weight * (value - aim.target) - 0.5 * expected * acceptance_.variance / weight;
     };
+    // By which the quantity is pulled, as a slope of chi2.
+    const auto pull = [&](double value) { return -2.0 * weight * held(value) / acceptance_.variance; };
     problem::Evaluation best;
     double lowest = std::numeric_limits<double>::infinity();
     const optimise::Objective objective = [&](std::span<const double> at, optimise::Sample& sample) {
@@ -171,11 +200,23 @@ std::optional<ProfilePoint> Walker::lowest(const std::vector<double>& start, con
     settings.max_evaluations = 20;
     settings.enough = 0.5 * aim.negligible * acceptance_.variance;
     settings.first_step = optimise::whole_cube;
-    const auto found = optimise::gauss_newton(start, objective, settings);
+    optimise::SearchResult found = optimise::gauss_newton(start, objective, settings);
     if (found.unit.empty()) {
         return std::nullopt;
     }
     ProfilePoint lowest_point = point(found.unit, std::move(best), quantity);
+    constexpr int repeats = 3;
+    for (int i = 0; i < repeats && aim.away_from && lowest_point.rise < acceptance_.threshold &&
+                    std::abs(lowest_point.value - aim.target) > 0.5 * std::abs(*aim.away_from - aim.target);
+         ++i) {
+        expected = pull(lowest_point.value);
+        lowest = std::numeric_limits<double>::infinity();
+        found = optimise::gauss_newton(lowest_point.unit, objective, settings);
+        if (found.unit.empty()) {
+            break;
+        }
+        lowest_point = point(found.unit, std::move(best), quantity);
+    }
     const VectorXd gradient = quantity.gradient(lowest_point.unit, lowest_point.evaluation);
     double free = 0.0; // of the squared gradient: what no bound holds
     for (std::size_t k = 0; k < lowest_point.unit.size(); ++k) {
@@ -184,7 +225,7 @@ std::optional<ProfilePoint> Walker::lowest(const std::vector<double>& start, con
     constexpr double something = 1e-6;
     // Stationary in what is free; by the envelope theorem that is the slope of the profile, whatever bounds hold.
     if (free > something * gradient.squaredNorm()) {
-        lowest_point.slope = -2.0 * weight * held(lowest_point.value) / acceptance_.variance;
+        lowest_point.slope = pull(lowest_point.value);
     } else { // a bound bears a part of the pull
         lowest_point.slope = slope(lowest_point.evaluation, gradient.normalized()) / gradient.norm();
     }
@@ -213,22 +254,43 @@ void Walker::cross(ProfilePoint inside, ProfilePoint outside, const Quantity& qu
         const double between = out.value - inside.value;
         const Cubic rise{inside.rise, inside.slope * between, out.rise, out.slope * between};
         double share = rise.share_at(threshold);
+        double slope_there = rise.slope(share) / between;
+        std::vector<double> start;
+        if (!rise.is_plain()) { // a limit or a bound begins to bear the pull: by what linear theory has
+            const Surroundings around(problem_, acceptance_, inside, quantity.gradient(inside.unit, inside.evaluation),
+                                      1.0);
+            const auto move = around.until(between > 0.0 ? 1 : -1, threshold - inside.rise);
+            const double linear = move.change / between;
+            if (linear > 0.0 && linear < 1.0) {
+                share = linear;
+                slope_there = move.slope;
+                start = clamped(inside.unit, move.d);
+            }
+        }
         constexpr int patience = 2;
         if (strays || tried % patience == patience - 1) { // a curve that is none of a cubic: halve
-            share = strays || between / whole > 0.5 * width ? 0.5 : share;
+            if (strays || between / whole > 0.5 * width) {
+                share = 0.5;
+                slope_there = rise.slope(share) / between;
+                start.clear();
+            }
             width = between / whole;
         }
-        if (hole) {
-            share = std::min(share, 0.5 * (*hole * whole + begin - inside.value) / between);
+        if (const double least_hole = hole ? 0.5 * (*hole * whole + begin - inside.value) / between : 1.0;
+            least_hole < share) {
+            share = least_hole;
+            start.clear();
         }
         constexpr double least = 1e-7;
         if (!(std::abs(share * between / whole) > least && std::abs((1.0 - share) * between / whole) > least)) {
             break; // chi2 jumps, or nothing beyond has an answer
         }
-        auto next = lowest(points_between(problem_, acceptance_, quantity, inside, out, share), quantity,
-                           {.target = inside.value + share * between,
-                            .slope = rise.slope(share) / between,
-                            .negligible = 0.5 * near_end * threshold});
+        if (start.empty()) {
+            start = points_between(problem_, acceptance_, quantity, inside, out, share);
+        }
+        auto next = lowest(
+            start, quantity,
+            {.target = inside.value + share * between, .slope = slope_there, .negligible = 0.5 * near_end * threshold});
         if (!next) {
             hole = (inside.value + share * between - begin) / whole;
             continue;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "landscape/profile.h"
+#include "optimise/linear_reach.h"
 
 #include <cmath>
 #include <optional>
@@ -29,6 +30,25 @@ Eigen::MatrixXd information(const problem::Problem& problem, const Acceptance& a
 Eigen::VectorXd cheapest_move(const Eigen::MatrixXd& h, const Eigen::VectorXd& gradient,
                               const std::vector<double>& unit, double change);
 
+// The problem about a point as linear functions of moves, in units of the noise: no more than `longest` in any unit
+// coordinate, within the cube and the limits. A direction that the data do not see costs something, as above.
+class Surroundings {
+public:
+    Surroundings(const problem::Problem& problem, const Acceptance& acceptance, const ProfilePoint& at,
+                 const Eigen::VectorXd& gradient, double longest);
+
+    // The move that changes the quantity by that and raises chi2 least; by less, if there is no more room.
+    optimise::LinearReach::Move to(double change) const { return reach_.to(change, here_); }
+    // The farthest that raises chi2 by no more than `rise`.
+    optimise::LinearReach::Move until(int sign, double rise) const { return reach_.until(sign, rise, here_); }
+
+private:
+    optimise::Sample rows_;
+    Eigen::VectorXd low_, high_;
+    double here_; // chi2
+    optimise::LinearReach reach_;
+};
+
 class Walker {
 public:
     Walker(run::Chain& chain, const problem::Problem& problem, const Acceptance& acceptance, double best_misfit)
@@ -47,6 +67,9 @@ public:
         double target = 0.0;
         double slope = 0.0;
         double negligible = negligible_rise;
+        // A value to get away from: a search that stays short of half of the way to the target is repeated with the
+        // slope that it met.
+        std::optional<double> away_from{};
     };
 
     // The lowest point near `start` whose quantity is about the target. Nothing: the start has no answer.

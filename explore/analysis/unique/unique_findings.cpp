@@ -224,10 +224,10 @@ std::vector<std::string> findings(const UniqueResult& result) {
                         fixed.empty() ? "." : ", but " + pave::join(fixed) + "."));
     }
     if (!u.directions.dead.empty()) {
-        say(fmt::format("No reading is sensitive to {} here: crossing the whole range changes none by more than its "
-                        "noise. Hold it at "
-                        "a known value.",
-                        pave::join(names_of(space, u.directions.dead))));
+        say(fmt::format(
+            "No reading is sensitive to {} here: with the sensitivities at the best fit, crossing the whole "
+            "range changes none by more than its noise. Hold {} at a known value.",
+            pave::join(names_of(space, u.directions.dead)), u.directions.dead.size() == 1 ? "it" : "them"));
     }
     if (!u.confirmation.empty()) {
         say(u.confirmation);
