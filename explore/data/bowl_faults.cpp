@@ -14,7 +14,8 @@ namespace explore::data {
 
 namespace {
 
-constexpr std::array unit_factors{10.0, 25.4, 1000.0, 25400.0, 100.0};
+// Of powers of ten, and mils for micrometres or millimetres.
+constexpr std::array unit_factors{10.0, 25.4, 1000.0, 25400.0, 100.0, 1000.0 / 25.4};
 
 // The reading over what the sensors beside it say: between them, or by the next two of an end.
 struct Excess {
@@ -283,9 +284,11 @@ std::optional<BowlFault> load_in_another_unit(const std::vector<Bowl>& bowls) {
         const double middle = median(apart);
         const auto [lowest, highest] = std::ranges::minmax(apart);
         const double unlikely = std::abs(compliance(bowls[b][0]) - std::log(2.0 / usual_Pa));
+        double nearest = highest - lowest < alike && unlikely > farthest ? near : 0.0;
         for (const double factor : unit_factors) {
             for (const double size : {factor, 1.0 / factor}) {
-                if (highest - lowest < alike && std::abs(middle - std::log(size)) < near && unlikely > farthest) {
+                if (const double away = std::abs(middle - std::log(size)); away < nearest) {
+                    nearest = away;
                     farthest = unlikely;
                     found = BowlFault{.kind = BowlFault::Kind::factor,
                                       .rows = {},

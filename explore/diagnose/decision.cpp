@@ -18,6 +18,7 @@ constexpr double most_noise = 2.2;         // times the stated noise: more is no
 constexpr double most_of_structure = 1.5;  // the same, beside errors in common or heavy tails
 constexpr double little = 0.05;            // probability that keeps a name from standing alone
 constexpr double impossible = 3.0;         // margins: less probable by a factor of 8,000 than another
+constexpr double hardly_possible = 2.0;    // margins: of a name whose size ends its range
 constexpr double doubtful = 0.1; // that errors are larger than stated: chance names something in some of such cases
 
 class Decider {
@@ -203,12 +204,11 @@ private:
         return sum;
     }
 
-    // Names of the effects, sorted: another variant of one is no other name. Of wrong readings which they are.
+    // Names of the effects, sorted: another variant of one is no other name, but for what is wrong with readings.
     std::vector<std::string> effects_of(std::size_t r) const {
-        const auto& hypothesis = row(r).hypothesis;
         std::vector<std::string> list;
-        for (const auto& term : hypothesis.terms) {
-            list.push_back(hypothesis.kind == Kind::readings ? term.effect + term.on : term.effect);
+        for (const auto& term : row(r).hypothesis.terms) {
+            list.push_back(term.subject == hypotheses::of_readings ? term.effect + term.on : term.effect);
         }
         std::sort(list.begin(), list.end());
         return list;
@@ -344,8 +344,8 @@ private:
             return false;
         }
         // A name that is next to impossible beside it is no answer, even where only differences of places are known.
-        const bool is_impossible =
-            ahead >= impossible * margin && (leaves_noise(other) || !says_the_same(other, first));
+        const double most = (first.fit.at_end ? hardly_possible : impossible) * margin;
+        const bool is_impossible = ahead >= most && (leaves_noise(other) || !says_the_same(other, first));
         const Reason why = locate(is_impossible ? Says::between_places : Says::at_places);
         if (why == Reason::none) {
             return true;

@@ -47,6 +47,7 @@ struct Alike {
     std::size_t candidate = 0;
     double behind = 0.0; // chi2 above that of the variant that explains most
     Interval size;
+    Model model; // with this effect alone
 };
 
 // The result of one effect.

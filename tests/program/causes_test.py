@@ -1,6 +1,7 @@
 """What `diagnose` says where little is measured, where the noise is not as stated and where a size ends its range: no name that
 the data do not bear, nothing left out that was not tried."""
 import json
+import math
 
 import pytest
 
@@ -196,3 +197,53 @@ def test_a_sigma_in_another_unit_is_said_first():
     for command in ("fit", "diagnose"):
         found = json.loads(run(command, folder / "study.toml", "--threads", 1, "--json", "--out", folder / command).stdout)
         assert any("deflection at 300 mm under p400: sigma = 0.003117 um" in words for words in found["findings"][:2]), found["findings"][:3]
+
+
+@pytest.mark.parametrize("factor", [25.4, 1000 / 25.4, 0.001])
+def test_a_load_in_another_unit_with_its_errors_is_that_and_nothing_else(factor):
+    # The errors of an instrument of 2 um and 1 %: another share of every reading.
+    def readings(cells):
+        value = float(cells[6])
+        own = factor if cells[0] == "p800" else 1.0
+        return [*cells[:6], repr(own * value), cells[7], repr(own * math.hypot(0.002, 0.01 * value))]
+    found = diagnose(made(f"unit-{factor:.3g}", 0.01, 3, readings=readings))
+    assert found["verdict"] == "cause-named" and found["causes"] == ["sensor-gain"], f"{found['verdict']} {found['causes']}: {found['findings'][0]}"
+    assert "all readings of one load" in found["findings"][0] and "fits the data within their noise" in found["findings"][0], found["findings"][0]
+
+
+def test_instruments_that_the_readings_do_not_tell_apart_are_both_named():
+    # In a linear section gauges that read 0.85 times as much and geophones that read 1.18 times as much are one thing.
+    study = folder / "instruments" / "study.toml"
+    study.parent.mkdir()
+    assert run("new", study, "--linear").returncode == 0
+    rows = "".join(f"fwd,deflection,{x},0,0,0,1,mm,\n" for x in (0, 200, 300, 450, 600, 900, 1200)) + "".join(
+        f"fwd,strain_zz,0,0,{z},0,1,microstrain,\n" for z in (170, 270, 350, 450, 550, 700))
+    (study.parent / "study.csv").write_text(HEADER + rows)
+    assert run("twin", study, "--noise", 0.01, "--seed", 5, "--out", study.parent / "twin").returncode == 0
+    cells = [line.split(",") for line in (study.parent / "twin" / "twin.csv").read_text().splitlines() if line[0] not in "#l"]
+    (study.parent / "study.csv").write_text(HEADER + "".join(",".join(times(c, 0.85, 0.85) if c[1] == "strain_zz" else c) + "\n" for c in cells))
+    found = diagnose(study)
+    assert found["verdict"] == "ambiguous" and found["causes"] == ["sensor-gain"], f"{found['verdict']} {found['causes']}"
+    assert "deflection" in found["findings"][0] and "strain_zz" in found["findings"][0], found["findings"][0]
+    right = {r["name"]: r["value"] for r in json.loads(run("forward", study, "--json").stdout)["responses"] if "strain" in r.get("name", "").split(".")[0]}
+    assert len(right) == 2, right
+    for output in found["outputs"]:
+        assert output["low"] <= right[output["name"]] <= output["high"], f"{output['name']}: {right[output['name']]} is not in {output['low']} to {output['high']}"
+    # Further readings by the same two instruments are as wrong.
+    words = " ".join(found["findings"])
+    assert "calibration of the instruments" in words and "Best next measurement" not in words, words
+
+
+def test_without_stated_noise_ranges_are_those_of_the_residuals():
+    # Some effect follows five readings almost exactly; the answer is the model without one.
+    ONE_DROP = HEADER + "".join(f"p566,deflection,{x},0,0,0,1,mm,\n" for x in OFFSETS)
+    study = made("estimated", 0.03, 6, layout=ONE_DROP, readings=lambda cells: [*cells[:8], ""])
+    found = diagnose(study)
+    assert found["verdict"] == "adequate", f"nothing is stated that could be contradicted: {found['verdict']}"
+    done = run("fit", study, "--json", "--out", study.parent / "fit", "--explore", 16, "--starts", 4)
+    best = json.loads(done.stdout)["best"]
+    for name, error in best["standard_errors"].items():
+        own = found["baseline"]["parameters"][name]
+        ranges = best["ranges_95"].get(name) if best.get("ranges_95") else None
+        width = ranges[1] - ranges[0] if ranges else 4 * error
+        assert own["high"] - own["low"] > 0.8 * width, f"{name}: {own}, by the fit {width} wide"

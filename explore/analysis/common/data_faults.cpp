@@ -1,6 +1,7 @@
 #include "analysis/common/data_faults.h"
 
 #include "base/text.h"
+#include "data/median.h"
 #include "data/rounding.h"
 
 #include <algorithm>
@@ -50,29 +51,49 @@ void move_sensors(study::Study& study, const std::vector<std::pair<std::size_t, 
     }
 }
 
-// The error may have been stated in the unit that was meant, or in that of the file: as its neighbours
-// are, relative to their values.
-void rescale(study::Study& study, std::size_t row, double factor) {
-    std::vector<double> shares;
-    for (std::size_t i = 0; i < study.measured().size(); ++i) {
-        const data::Reading& other = study.readings[i];
-        if (is_of_bowl(study, i) && i != row && other.noise.absolute > 0.0 && other.measured() != 0.0) {
-            shares.push_back(std::log(other.noise.absolute / std::abs(other.measured())));
+// The errors of these readings may have been stated in the unit that was meant, or in that of the file: as they are
+// elsewhere, relative to the values: of the same sensors under other loads or, where there are none, of all others.
+bool are_errors_of_file(const study::Study& study, const std::vector<std::size_t>& rows, double factor) {
+    const auto share = [&](std::size_t row) {
+        const data::Reading& reading = study.readings[row];
+        return std::log(reading.noise.absolute / std::abs(reading.measured()));
+    };
+    const auto states = [&](std::size_t row) {
+        const data::Reading& reading = study.readings[row];
+        return reading.noise.absolute > 0.0 && reading.measured() != 0.0;
+    };
+    double by_file = 0.0;
+    double by_meant = 0.0;
+    for (const std::size_t row : rows) {
+        std::vector<double> same_place;
+        std::vector<double> all;
+        for (std::size_t i = 0; states(row) && i < study.measured().size(); ++i) {
+            if (is_of_bowl(study, i) && states(i) && std::find(rows.begin(), rows.end(), i) == rows.end()) {
+                all.push_back(share(i));
+                if (study.readings[i].place_words() == study.readings[row].place_words()) {
+                    same_place.push_back(share(i));
+                }
+            }
+        }
+        if (!all.empty()) {
+            const double elsewhere = data::median(same_place.empty() ? std::move(all) : std::move(same_place));
+            by_file += std::abs(share(row) - elsewhere);
+            by_meant += std::abs(share(row) + std::log(factor) - elsewhere);
         }
     }
-    data::Reading& own = study.readings[row];
-    const double of_file = std::log(own.noise.absolute / std::abs(own.measured()));
-    own.value /= factor;
-    if (shares.empty() || !(own.noise.absolute > 0.0) || own.measured() == 0.0) {
-        return;
-    }
-    std::nth_element(shares.begin(), shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2), shares.end());
-    const double common = shares[shares.size() / 2];
-    const double meant = std::log(own.noise.absolute / std::abs(own.measured()));
-    if (std::abs(of_file - common) < std::abs(meant - common)) {
-        own.noise.absolute /= factor;
-        if (own.sigma) {
-            *own.sigma /= factor;
+    return by_file < by_meant;
+}
+
+void rescale(study::Study& study, const std::vector<std::size_t>& rows, double factor) {
+    const bool with_errors = are_errors_of_file(study, rows, factor);
+    for (const std::size_t row : rows) {
+        data::Reading& own = study.readings[row];
+        own.value /= factor;
+        if (with_errors) {
+            own.noise.absolute /= factor;
+            if (own.sigma) {
+                *own.sigma /= factor;
+            }
         }
     }
 }
@@ -114,6 +135,7 @@ study::Study mended(study::Study study, const std::vector<BowlFault>& faults) {
         }
         study.hash += " with " + fault.words();
         std::vector<std::pair<std::size_t, std::size_t>> moves;
+        std::vector<std::size_t> rows;
         switch (fault.kind) {
         case BowlFault::Kind::exchanged:
             for (std::size_t i = 0; i + 1 < fault.rows.size(); i += 2) {
@@ -136,10 +158,10 @@ study::Study mended(study::Study study, const std::vector<BowlFault>& faults) {
             break;
         case BowlFault::Kind::factor:
             for (const std::size_t row : fault.rows) {
-                for (const std::size_t own : rows_beside(study, row)) {
-                    rescale(study, own, fault.factor);
-                }
+                const std::vector<std::size_t> own = rows_beside(study, row);
+                rows.insert(rows.end(), own.begin(), own.end());
             }
+            rescale(study, rows, fault.factor);
             break;
         case BowlFault::Kind::rises:
         case BowlFault::Kind::constant: break;

@@ -53,12 +53,9 @@ landscape::HeldRanges held_ranges(const problem::Problem& problem, const diagnos
     if (!problem.noise_is_stated()) {
         return {};
     }
-    landscape::Minimum there;
-    there.evaluation = model.evaluation;
-    there.unit = model.unit;
-    there.on_bound = landscape::bounds_met(model.unit);
+    const auto there = landscape::minimum_at(model.evaluation, model.unit);
     const auto local = landscape::analyse(there, problem, noise_factor);
-    return landscape::held_ranges(problem, there, local, local.p_value >= landscape::contradicted);
+    return landscape::held_ranges(problem, there, local, local.bounds_count());
 }
 
 DiagnosedModel model_of(const DiagnoseResult& result, diagnose::Workbench& bench, const Judged& judged) {
@@ -77,6 +74,9 @@ DiagnosedModel model_of(const DiagnoseResult& result, diagnose::Workbench& bench
             m.parameters.push_back(
                 diagnose::interval_within(problem->space.axes[k], judged.model.unit[k],
                                           d.location->covariance.diagonal()[static_cast<Eigen::Index>(k)]));
+        } else if (!problem->noise_is_stated() && d.baseline.dof <= 0) { // nothing tells what the noise is
+            const problem::Axis& axis = problem->space.axes[k];
+            m.parameters.push_back({axis.physical(judged.model.unit[k]), axis.low, axis.high});
         } else if (const auto* covariance = d.covariance_by_noise(); covariance != nullptr && k < of_study) {
             m.parameters.push_back(
                 diagnose::interval_within(problem->space.axes[k], judged.model.unit[k],
@@ -162,6 +162,9 @@ void set_outputs(DiagnoseResult& result, diagnose::Workbench& bench, int threads
         d.verdict() == diagnose::Verdict::adequate || (d.verdict() == diagnose::Verdict::cause_named && !d.extended);
     if (is_adequate) {
         result.minima = other_minima(d);
+    }
+    if (d.baseline.dof <= 0 && !bench.problem({})->noise_is_stated()) {
+        return; // no range can be given
     }
     double noise = std::sqrt(d.variance) * (is_adequate ? d.decision.noise_factor : 1.0);
     if (const auto* covariance = d.covariance_by_noise()) { // as large as independent errors would have to be

@@ -140,6 +140,12 @@ private:
         }
     }
 
+    bool doubts_instruments(const diagnose::Explanation& explanation) const {
+        const auto& members = explanation.fit.model.members;
+        return std::all_of(members.begin(), members.end(),
+                           [&](std::size_t c) { return candidates[c].is_of_readings && !candidates[c].reading; });
+    }
+
     // The reading that would decide; "": none is proposed.
     std::string next_words() const {
         if (!next.empty() && next[0].explanations.empty()) {
@@ -148,10 +154,14 @@ private:
         if (!next.empty()) {
             const SeparatingReading& best = next[0];
             if (constexpr double worth_it = 0.01; best.power - best.rate_now < worth_it) {
+                const auto& compared = d.to_compare();
                 return fmt::format(
                     "No further reading of the kinds that the study has tells the closest two apart: with "
-                    "the best of them the right decision is made in {} of cases, as it is now.",
-                    percent(best.rate_now));
+                    "the best of them the right decision is made in {} of cases, as it is now.{}",
+                    percent(best.rate_now),
+                    doubts_instruments(compared[0]) && doubts_instruments(compared[1])
+                        ? " A calibration of the instruments in question does."
+                        : "");
             }
             return fmt::format(
                 "Best next measurement: {} (to {} {}). With it the two most similar explanations would be "

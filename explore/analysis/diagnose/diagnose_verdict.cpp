@@ -19,14 +19,6 @@ using pave::p_words;
 
 namespace {
 
-std::string readings_words(const diagnose::Row& row) {
-    std::vector<std::string> list;
-    for (const auto& term : row.hypothesis.terms) {
-        list.push_back(term.on);
-    }
-    return pave::join(list, " and ");
-}
-
 class VerdictSentences {
 public:
     explicit VerdictSentences(const DiagnoseResult& of)
@@ -43,8 +35,7 @@ public:
         verdict(text);
         if (d.verdict() == Verdict::ambiguous && d.decision.is_noise_possible() &&
             d.decision.reason != diagnose::Reason::noise) {
-            text.push_back(fmt::format("Noise alone is possible too, with probability {}: {}.",
-                                       percent(d.decision.of_noise), row_words(d.ledger.rows()[*d.decision.noise])));
+            text.push_back(fmt::format("Noise alone is possible too: {}.", of_noise_words()));
         }
         if (d.decision.premise && d.extended) {
             text.push_back(fmt::format("{}: {}. All else is said with that mended.", seen_by(), premise_words()));
@@ -223,6 +214,17 @@ private:
         }
     }
 
+    // "probability 72 % in all; of these kinds of noise most probable: ... (24 %)"
+    std::string of_noise_words() const {
+        const double one = d.decision.probability_of(*d.decision.noise);
+        const std::string words = row_words(d.ledger.rows()[*d.decision.noise]);
+        constexpr double rest = 0.01;
+        return d.decision.of_noise - one < rest
+                   ? fmt::format("probability {}: {}", percent(one), words)
+                   : fmt::format("probability {} over all kinds of noise; the most probable of them, {}: {}",
+                                 percent(d.decision.of_noise), percent(one), words);
+    }
+
     std::string_view seen_by() const {
         const auto& [faults, no_floor] = result.premises;
         return no_floor || std::ranges::any_of(faults, &data::BowlFault::is_by_model) ? "By the study's model"
@@ -241,6 +243,11 @@ private:
 
     // The study's model as it is.
     std::string adequate_words() const {
+        if (d.baseline.dof <= 0) {
+            return "ADEQUATE, BUT UNTESTED: the parameters can follow every reading, so these data could not "
+                   "contradict "
+                   "any model. It takes more readings than parameters.";
+        }
         if (d.decision.as_stated || !d.decision.noise) {
             return "ADEQUATE: nothing in these data contradicts the model beyond their noise.";
         }
@@ -268,12 +275,17 @@ private:
                 sets.size() > 1 ? "The best of them leaves more than noise" : "It leaves more than noise",
                 p_words(std::min(d.extended->p_value, d.extended->pattern.p_value)), noise_words());
         case Reason::several_names:
+            if (const double first = d.decision.probability_of(d.explanations[0].row); first > 0.9) {
+                return fmt::format("AMBIGUOUS: the data favour {} (probability {}), but readings such as these do not "
+                                   "surely tell it from {}.",
+                                   sets[0], percent(first), pave::join({sets.begin() + 1, sets.end()}, "; "));
+            }
             return fmt::format("AMBIGUOUS: the model lacks something, and {} explanations fit these data about equally "
                                "well; the readings cannot tell them apart: {}.",
                                sets.size(), pave::join(sets, "; "));
         case Reason::noise:
-            return fmt::format("AMBIGUOUS: {} {} the data; so may, with probability {}, noise alone: {}.", sets[0],
-                               together, percent(d.decision.of_noise), row_words(d.ledger.rows()[*d.decision.noise]));
+            return fmt::format("AMBIGUOUS: {} {} the data; so may noise alone: {}.", sets[0], together,
+                               of_noise_words());
         case Reason::at_end:
             return fmt::format("AMBIGUOUS: {} {} the data, but {} the end of its range: the cause may be stronger, of "
                                "another form, or another one.",
@@ -310,8 +322,7 @@ private:
         if (d.decision.reason == Reason::nothing_explains && d.decision.noise && d.decision.of_noise >= most) {
             why += fmt::format(", unless {}", row_words(d.ledger.rows()[*d.decision.noise]));
         } else if (d.decision.reason == Reason::noise && d.decision.noise) {
-            why = fmt::format(", or the noise is not as stated (probability {}: {})", percent(d.decision.of_noise),
-                              row_words(d.ledger.rows()[*d.decision.noise]));
+            why = fmt::format(", or the noise is not as stated ({})", of_noise_words());
         } else if (!d.nearest.empty() && d.nearest[0].fit.p_value >= diagnose::level_noise) {
             why = fmt::format(", and no effect of the catalogue, alone or in pairs, has evidence enough to be "
                               "named (chance makes as much in {} of cases)",
@@ -454,38 +465,6 @@ private:
 
 std::string chance_words(double p) {
     return p < 1e-4 ? "less than 1 in 10,000" : fmt::format("{:.2g}", p);
-}
-
-std::string row_words(const diagnose::Row& row) {
-    using hypotheses::Kind;
-    const auto size = [&] { return row.sizes.empty() ? 0.0 : row.sizes[0].value; };
-    if (row.hypothesis.kind == Kind::noise && !row.sizes.empty()) {
-        const std::string& of = row.sizes[0].name;
-        if (of == "noise_factor") {
-            return fmt::format("the noise is some {} times as large as stated (95 %: {} to {})", figure(size(), 2),
-                               figure(row.sizes[0].low, 2), figure(row.sizes[0].high, 2));
-        }
-        if (of == "common_relative") {
-            return row.ends
-                       ? fmt::format("errors of {} or more that the readings of a load share (common_relative)",
-                                     percent(row.sizes[0].low))
-                       : fmt::format("errors of some {} that the readings of a load share (common_relative; 95 %: {} "
-                                     "to {})",
-                                     percent(size()), percent(row.sizes[0].low), percent(row.sizes[0].high));
-        }
-        if (of == "correlation_m") {
-            return fmt::format("errors that neighbouring readings share, over some {} mm (correlation_mm)",
-                               figure(1e3 * size(), 1));
-        }
-        return row.hypothesis.name;
-    }
-    if (row.hypothesis.kind == Kind::readings) {
-        return (row.hypothesis.terms.size() > 1 ? "wrong readings: " : "a wrong reading: ") + readings_words(row);
-    }
-    if (row.hypothesis.kind == Kind::correction) {
-        return fmt::format("a smooth correction ({})", row.hypothesis.name);
-    }
-    return row.hypothesis.name;
 }
 
 std::vector<std::string> verdict_words(const DiagnoseResult& result) {

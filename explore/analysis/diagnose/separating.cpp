@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <gsl/gsl_cdf.h>
+#include <map>
+#include <set>
 
 namespace explore::analysis {
 
@@ -27,6 +29,42 @@ std::vector<std::size_t> suspected_readings(const std::vector<study::Variant>& a
     return rows;
 }
 
+namespace {
+
+// An instrument that an explanation doubts: further readings by it are as wrong. Of one at one place those at that
+// place, else all of its quantity.
+class DoubtedInstrument {
+public:
+    // list: of the readings that may follow; what the variant itself changes of them is not told again.
+    DoubtedInstrument(const study::Study& study, const study::Study& list, const study::Variant& variant) {
+        if (variant.applied.reading) { // a wrong reading is no property of the next one
+            return;
+        }
+        const auto changed = pave::pavement::readings_changed_alone(study.model, variant.applied);
+        is_scaled_ = changed.are_scaled;
+        const auto told = pave::pavement::readings_changed_alone(list.model, variant.applied);
+        told_.insert(told.sensors.begin(), told.sensors.end());
+        for (const std::size_t row : changed.sensors) {
+            places_[study.readings[row].quantity].insert(study.readings[row].place_words());
+        }
+    }
+
+    bool reads(const study::Study& list, std::size_t row) const {
+        const data::Reading& reading = list.readings[row];
+        const auto at = places_.find(reading.quantity);
+        return !told_.contains(row) && at != places_.end() &&
+               (at->second.size() > 1 || at->second.contains(reading.place_words()));
+    }
+    bool is_scaled() const { return is_scaled_; } // by the size of the variant; else nobody knows what it reads
+
+private:
+    std::map<std::string, std::set<std::string>> places_; // of each quantity
+    std::set<std::size_t> told_;                          // rows of the list
+    bool is_scaled_ = false;
+};
+
+} // namespace
+
 std::vector<SeparatingReading> separating_readings(const study::Study& study, const std::vector<study::Variant>& all,
                                                    diagnose::Workbench& bench, const Diagnosis& d) {
     constexpr std::size_t most = 6;
@@ -37,6 +75,8 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
     };
     std::vector<Predicted> predicted;
     std::vector<std::size_t> compared;
+    std::vector<char> is_unknown(list.readings.size(), 0); // what some explanation's instrument would read
+    const auto is_again = [&](std::size_t i) { return i + suspected.size() >= list.readings.size(); };
     for (std::size_t e = 0; e < std::min(most, d.to_compare().size()); ++e) {
         const auto& model = d.to_compare()[e].fit.model;
         // A wrong reading is no property of the next one.
@@ -68,6 +108,10 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
         h.diagonal().array() += 1.0 / inference::box_variance;
         const Eigen::MatrixXd covariance = h.inverse();
         Predicted f{outcome->responses, {}};
+        std::vector<DoubtedInstrument> instruments;
+        for (const study::Variant& variant : own) {
+            instruments.emplace_back(study, list, variant);
+        }
         for (std::size_t i = 0; i < list.readings.size(); ++i) {
             Eigen::VectorXd slope(static_cast<Eigen::Index>(columns.size()));
             for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -75,6 +119,18 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
                 slope[static_cast<Eigen::Index>(k)] =
                     outcome->jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) *
                     fitted->space.axes[at].d_physical(model.unit[at]);
+            }
+            for (std::size_t v = 0; v < own.size() && !is_again(i); ++v) { // again: by another instrument
+                if (!instruments[v].reads(list, i)) {
+                    continue;
+                }
+                const double size = values[baseline + v];
+                const auto at = static_cast<std::size_t>(columns[baseline + v]);
+                is_unknown[i] |= instruments[v].is_scaled() ? 0 : 1;
+                slope *= size;
+                slope[static_cast<Eigen::Index>(baseline + v)] +=
+                    f.values[i] * fitted->space.axes[at].d_physical(model.unit[at]);
+                f.values[i] *= size;
             }
             const Eigen::MatrixXd part = covariance(columns, columns);
             f.variances.push_back(slope.dot(part * slope));
@@ -88,10 +144,13 @@ std::vector<SeparatingReading> separating_readings(const study::Study& study, co
     }
     for (std::size_t i = 0; i < list.readings.size(); ++i) {
         data::Reading reading = list.readings[i];
+        if (is_unknown[i] != 0) {
+            continue;
+        }
         reading.noise.absolute = study::candidate_noise(list.model.sensors[i].quantity, predicted[0].values[i]);
         const double noise = reading.noise.absolute;
         SeparatingReading s{.reading = std::move(reading),
-                            .again = i + suspected.size() >= list.readings.size(),
+                            .again = is_again(i),
                             .explanations = compared,
                             .values = {},
                             .power = 1.0,

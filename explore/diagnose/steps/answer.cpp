@@ -102,7 +102,14 @@ bool Investigation::conclude(Says says) {
     // Readings left out may speak against a correction: the next model is then tried.
     const auto asked = d_.decision.model;
     take_decision();
-    return d_.decision.model == asked || hold_out();
+    if (d_.decision.model != asked && !hold_out()) {
+        return false;
+    }
+    if (!noise_is_stated_ && d_.verdict() == Verdict::adequate) { // it is that of the answer's own residuals
+        d_.variance = std::max(d_.baseline.model.sum / std::max(1, d_.baseline.dof), 1e-24);
+        judge_effects();
+    }
+    return true;
 }
 
 } // namespace explore::diagnose

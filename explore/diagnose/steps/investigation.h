@@ -54,6 +54,7 @@ private:
     bool fit_two_effects();
     // steps/record.cpp: what was found, into the ledger
     void record_noise();
+    std::vector<Alike> other_instruments(const EffectResult& effect) const;
     void record_singles();
     bool record_all();
     void record(const Judged& fit, hypotheses::Kind kind, int order = 1);
@@ -91,6 +92,7 @@ private:
     std::vector<Alike> alike_of(const EffectResult& effect) const;
     // Everything that depends on the variance.
     void set_statistics();
+    void judge_effects(); // the same by the variance as it is
     std::optional<Screening> screen_seconds(const Model& base, std::size_t place, std::size_t scanned);
     bool fit_pairs(const std::vector<const Judged*>& beam, const Screening& of_first, std::vector<Judged>& pairs);
     template <class Fit>

@@ -246,10 +246,26 @@ void Investigation::record_noise() {
 }
 
 // Every variant that was fitted is a hypothesis of its own; what was not, with its reason.
+// Other instruments whose error the readings do not tell from that of the first: each is a cause of its own.
+std::vector<Alike> Investigation::other_instruments(const EffectResult& effect) const {
+    constexpr double same = 1.0; // chi2: the readings do not tell them apart at all
+    std::vector<Alike> others;
+    for (const Alike& other : effect.alike) {
+        const Candidate& candidate = task_.candidates[other.candidate];
+        if (candidate.is_of_readings && !candidate.reading && other.behind < same) {
+            others.push_back(other);
+        }
+    }
+    return others;
+}
+
 void Investigation::record_singles() {
     for (const EffectResult& effect : d_.effects) {
         if (effect.fit) {
             record(*effect.fit, kind_of(effect.candidate));
+            for (const Alike& other : other_instruments(effect)) {
+                record(judged(other.model), kind_of(other.candidate));
+            }
             continue;
         }
         const auto term = term_of(effect.candidate);
@@ -276,6 +292,9 @@ bool Investigation::weigh_chances() {
             const double gain = std::max(0.0, effect.gain) / (d_.bartlett * excess * excess);
             const double p = d_.screening.family ? d_.screening.family->p_value(std::sqrt(gain)) : 1.0;
             d_.ledger.add(Ledger::Chance{key_of(*effect.fit, kind_of(effect.candidate)), p});
+            for (const Alike& other : other_instruments(effect)) {
+                d_.ledger.add(Ledger::Chance{key_of(judged(other.model), kind_of(other.candidate)), p});
+            }
         }
     }
     for (const Judged& pair : pairs_) {

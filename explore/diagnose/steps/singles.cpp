@@ -172,7 +172,7 @@ std::vector<Alike> Investigation::alike_of(const EffectResult& effect) const {
             task_.candidates[candidate].effect == task_.candidates[effect.candidate].effect) {
             const auto problem = bench_.problem(model.members);
             list.push_back(
-                {candidate, behind, interval_of(*problem, model, problem->space.axes.size() - 1, d_.variance)});
+                {candidate, behind, interval_of(*problem, model, problem->space.axes.size() - 1, d_.variance), model});
         }
     }
     std::stable_sort(list.begin(), list.end(), [](const Alike& a, const Alike& b) { return a.behind < b.behind; });
@@ -190,6 +190,10 @@ void Investigation::set_statistics() {
         }
         d_.variance = std::max(d_.variance, 1e-24);
     }
+    judge_effects();
+}
+
+void Investigation::judge_effects() {
     d_.baseline = judged(std::move(d_.baseline.model));
     for (EffectResult& effect : d_.effects) {
         if (effect.fit) {
