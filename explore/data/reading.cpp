@@ -207,7 +207,11 @@ std::vector<Reading> readings_of(std::string_view text, const std::string& file,
         for (const Censored side : {Censored::below, Censored::above}) {
             m.censored = written.starts_with(sign_of(side)) ? side : m.censored;
         }
-        m.value = table.number(trimmed(written.substr(m.censored == Censored::no ? 0 : 1)), place(value));
+        std::string_view digits = written.substr(m.censored == Censored::no ? 0 : 1);
+        if (m.censored != Censored::no && digits.starts_with('=')) { // "<=4" says what "<4" does
+            digits.remove_prefix(1);
+        }
+        m.value = table.number(trimmed(digits), place(value));
         std::vector<std::string> unit_names;
         const Unit* found = nullptr;
         for (const Unit& u : units()) {

@@ -139,12 +139,11 @@ private:
         }
         const Json info = ask("/Info", Json());
         if (const Json version = info.value("protocolVersion", Json()); version != 1.0) {
-            throw NoAnswer("the server speaks UM-Bridge " + version.dump() + ", where 1.0 is wanted");
+            no_answer_now("the server speaks UM-Bridge " + version.dump() + ", where 1.0 is wanted");
         }
         const auto models = info.at("models").get<std::vector<std::string>>();
         if (std::find(models.begin(), models.end(), settings_.name) == models.end()) {
-            throw NoAnswer(
-                fmt::format("the server has no model \"{}\"; it has {}", settings_.name, pave::join(models)));
+            no_answer_now(fmt::format("the server has no model \"{}\"; it has {}", settings_.name, pave::join(models)));
         }
         Shape shape;
         const Json support = ask("/ModelInfo", common()).at("support");
@@ -154,7 +153,7 @@ private:
         ask("/OutputSizes", common()).at("outputSizes").get_to(shape.outputs);
         const auto sum = [](const auto& sizes) { return std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}); };
         if (sum(shape.inputs) != settings_.parameters || sum(shape.outputs) != settings_.responses) {
-            throw NoAnswer(
+            no_answer_now(
                 fmt::format("the server's model takes {} and gives {}; the study has {} and {}",
                             pave::counted(sum(shape.inputs), "number", "numbers"), sum(shape.outputs),
                             pave::counted(settings_.parameters, "parameter", "parameters"),
@@ -218,7 +217,6 @@ private:
             client = std::make_unique<httplib::Client>(url);
             client->set_keep_alive(true);
             client->set_tcp_nodelay(true); // else a request in two parts waits 40 ms for an acknowledgement
-            client->set_tcp_nodelay(true);
             client->set_connection_timeout(5);
             constexpr double no_limit = 1e7;
             client->set_read_timeout(std::chrono::milliseconds(
@@ -247,7 +245,7 @@ private:
                                        pave::printable(error.value("message", ""), 500)));
         }
         if (result->status != 200 || !answer.is_object()) {
-            throw NoAnswer(fmt::format("the server at {} answered {} to {}", url, result->status, path));
+            no_answer_now(fmt::format("the server at {} answered {} to {}", url, result->status, path));
         }
         return answer;
     }

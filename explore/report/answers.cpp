@@ -104,6 +104,9 @@ Answer fit_answer(const Json& json) {
             at(noise, "p_value").is_null()
                 ? fmt::format("Fitted {}, which state no {}noise to judge the model by", readings,
                               at(noise, "source") == "sought" ? "size of their " : "")
+            : at(noise, "degrees_of_freedom").get<int>() <= 0 && !is_contradicted
+                ? fmt::format("Fitted {} with {}, too few readings to judge the model by", readings,
+                              counted(at(json, "parameters").size(), "parameter", "parameters"))
             : at(json, "contradicts_constraints") == true
                 ? fmt::format("A constraint keeps the model from fitting the {}; without it the model fits "
                               "({})",
@@ -257,7 +260,8 @@ Answer survey_answer(const Json& json) {
     const std::size_t without = counts.value("no_ratio", std::size_t{0}); // a result of an earlier program says nothing
     const std::string counted_words = fmt::format(
         "{}: {} pass the deflection ratio, {} fail, {}{} rejected", counted(count("stations"), "station", "stations"),
-        count("pass"), count("fail"), without > 0 ? fmt::format("{} have none, ", without) : "", count("rejected"));
+        count("pass"), count("fail"),
+        without > 0 ? fmt::format("{} {} none, ", without, without == 1 ? "has" : "have") : "", count("rejected"));
     answer.verdict = !answer.notes.empty() && answer.notes[0].starts_with("Weak station")
                          ? take_first(answer.notes) + " "
                          : judged_words(json);

@@ -37,10 +37,10 @@ Answer check_answer(const CheckedStudy& checked) {
     answer.verdict =
         (readings == 0
              ? fmt::format("The study is well formed, but has no readings to be fitted: {}.", rest)
-             : fmt::format(
-                   "The study is well formed: {}, their noise {}, {}.", counted(readings, "reading", "readings"),
-                   study.noise == study::NoiseSource::stated ? study.noise_name() : "to be estimated from the fit",
-                   rest)) +
+             : fmt::format("The study is well formed: {}, noise {}, {}.", counted(readings, "reading", "readings"),
+                           study.noise == study::NoiseSource::stated ? study.noise_name()
+                                                                     : "to be estimated from the fit",
+                           rest)) +
         (remarks.empty() ? "" : fmt::format(" {} to look at.", counted(remarks.size(), "remark", "remarks")));
     answer.notes = remarks;
     std::vector<std::string> groups;

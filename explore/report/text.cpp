@@ -6,6 +6,7 @@
 #include "report/json.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace explore::report {
@@ -34,7 +35,7 @@ std::string readings_summary(const study::Study& study) {
     if (study.measured().empty()) {
         text += "  no readings: nothing can be fitted\n";
     } else {
-        text += fmt::format("  {}, their noise {}:\n", counted(study.measured().size(), "reading", "readings"),
+        text += fmt::format("  {}, noise {}:\n", counted(study.measured().size(), "reading", "readings"),
                             study.noise == study::NoiseSource::stated ? study.noise_name()
                                                                       : "to be estimated from the fit");
         for (const auto& group : study.groups) {
@@ -129,7 +130,7 @@ std::string reduced_words(const analysis::ReducedProblem& reduced) {
 }
 
 std::string millimetres(const std::optional<double>& mm, double most) {
-    return mm ? fmt::format("{:.0f}", *mm) : fmt::format("> {:g}", most);
+    return mm ? fmt::format("{:.0f}", std::ceil(*mm)) : fmt::format("> {:g}", most);
 }
 
 std::string sentences(const std::vector<std::string>& text) {

@@ -32,7 +32,7 @@ std::string response_table(const study::Study& study, const std::vector<double>&
 // A line a load: what a reduced model is worth.
 std::string reduced_words(const analysis::ReducedProblem& reduced);
 
-// A thickness up to the largest that was looked at: "85", "> 300".
+// A thickness that is enough, in whole millimetres, up to the largest that was looked at: "85", "> 300".
 std::string millimetres(const std::optional<double>& mm, double most);
 
 // A line a sentence.

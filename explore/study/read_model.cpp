@@ -336,10 +336,19 @@ pave::pavement::Sensor own_sensor(Study& study, const data::Reading& reading) {
     return sensor;
 }
 
+void check_new_output(const Study& study, const std::string& name, const pave::Place& place) {
+    for (const data::Reading& known : study.readings) {
+        if (!known.is_measured() && known.output == name) {
+            throw pave::Error(place, "two outputs have this name", "\"" + name + "\"", "a name of its own");
+        }
+    }
+}
+
 void read_own_output(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[outputs]]");
     data::Reading output;
     output.output = reader.text(keys::output_name);
+    check_new_output(study, output.output, reader.place(keys::output_name));
     reader.rename("output \"" + output.output + "\"");
     const std::string known = study.model.loads.empty() ? "model" : study.model.loads[0].name;
     output.load = reader.text(keys::output_load, known);

@@ -24,6 +24,8 @@ double own_value(TableReader& reader, const problem::Axis& axis);
 // A sensor for a reading, by its place alone.
 pave::pavement::Sensor own_sensor(Study& study, const data::Reading& reading);
 void read_own_output(const toml::table& table, Study& study);
+// Throws pave::Error where another output has that name.
+void check_new_output(const Study& study, const std::string& name, const pave::Place& place);
 
 // When all parameters, readings and outputs are known. Throws pave::Error for what no model of your own can have.
 void check_own_model(const Study& study);

@@ -38,6 +38,7 @@ void read_output(const toml::table& table, Study& study) {
     TableReader reader(table, study.file, "[[outputs]]");
     data::Reading output;
     output.output = reader.text(keys::output_name);
+    check_new_output(study, output.output, reader.place(keys::output_name));
     reader.rename("output \"" + output.output + "\"");
     Sensor sensor;
     output.load = reader.text(keys::output_load);

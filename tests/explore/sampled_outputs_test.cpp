@@ -1,5 +1,6 @@
 // Outputs of a sample under loads that no reading has: a surface through few runs, or runs at the draws.
 #include "analysis/sample/sample.h"
+#include "base/random.h"
 #include "study/problems.h"
 #include "support/layered_study.h"
 
@@ -81,4 +82,49 @@ TEST(OutputsUnderOtherLoads, AreRunsWhereNoSurfaceHolds) {
         }
     }
     EXPECT_EQ(with, 200U);
+}
+
+// Draws of equal shares of normal distributions.
+namespace {
+
+std::vector<double> draws_about(const std::vector<double>& centres, double deviation, std::size_t count) {
+    const pave::RandomStream random(11, 3);
+    std::vector<double> units;
+    for (std::size_t i = 0; i < count; ++i) {
+        units.push_back(centres[i % centres.size()] + deviation * random.normal(i));
+    }
+    return units;
+}
+
+std::size_t count_of_modes(const std::vector<double>& units) {
+    return analysis::modes_of(units, std::vector<double>(units.size(), 1.0)).size();
+}
+
+} // namespace
+
+TEST(SeparateValues, AreAsManyAsThereAreHoweverWideTheyLieApart) {
+    std::vector<double> seven;
+    for (int i = 0; i < 7; ++i) {
+        seven.push_back((i + 0.5) / 7.0);
+    }
+    const auto units = draws_about(seven, 0.008, 1400);
+    const auto modes = analysis::modes_of(units, std::vector<double>(units.size(), 1.0));
+    ASSERT_EQ(modes.size(), 7U);
+    for (std::size_t i = 0; i < 7; ++i) {
+        EXPECT_NEAR(modes[i].centre, seven[i], 0.004);
+        EXPECT_NEAR(modes[i].share, 1.0 / 7.0, 0.005);
+    }
+}
+
+TEST(SeparateValues, AreOneWhereOneDistributionMakesThem) {
+    for (const std::size_t count : {200U, 400U, 1000U, 4000U}) {
+        EXPECT_EQ(count_of_modes(draws_about({0.4}, 0.07, count)), 1U) << count;
+        EXPECT_EQ(count_of_modes(draws_about({0.4, 0.5}, 0.07, count)), 1U) << count; // 1.4 deviations: one top
+        std::vector<double> even;
+        const pave::RandomStream random(5, count);
+        for (std::size_t i = 0; i < count; ++i) {
+            even.push_back(random.uniform(i));
+        }
+        EXPECT_EQ(count_of_modes(even), 1U) << count;
+    }
 }

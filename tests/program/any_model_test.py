@@ -203,7 +203,7 @@ class Model:
         return [-t * math.exp(-k[0] * t) * vec[0] - t * math.exp(-k[1] * t) * vec[1] for t in self.times]
 
 
-def serve(model, offers=("Evaluate",), port=0):
+def serve(model, offers=("Evaluate",), port=0, name="decay"):
     """(address, list of paths requested, server)"""
     asked = []
 
@@ -223,12 +223,12 @@ def serve(model, offers=("Evaluate",), port=0):
             self.wfile.write(data)
 
         def do_GET(self):
-            self.answer({"protocolVersion": 1.0, "models": ["decay"]})
+            self.answer({"protocolVersion": 1.0, "models": [name]})
 
         def do_POST(self):
             request = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
             asked.append(self.path)
-            if request["name"] != "decay":
+            if request["name"] != name:
                 self.answer({"error": {"type": "ModelNotFound", "message": "no"}}, 400)
             elif self.path == "/ModelInfo":
                 self.answer({"support": {name: name in offers for name in ("Evaluate", "Gradient", "ApplyJacobian", "ApplyHessian")}})
@@ -303,6 +303,14 @@ class Meyer(Model):
         return [x[0] * math.exp(x[1] / (45 + 5 * i + x[2])) for i in self.times]
 
 
+class Wave(Model):
+    """Seven waves of one parameter: every value of it that reads 0.5 on the way up or down."""
+    times, inputs = [0, 1], 1
+
+    def __call__(self, x):
+        return [math.sin(14 * math.pi * x[0]), 0.0]
+
+
 class Doses(Model):
     """A sigmoid response to doses that all lie far below its middle: there it is top (dose / middle)^2, to some per mille."""
     times, inputs = [0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4], 2
@@ -326,6 +334,33 @@ def verdict(model, parameters, readings):
     server.shutdown()
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
+
+
+def test_ranges_hold_every_minimum_that_is_listed_however_many_there_are():
+    answer = verdict(Wave(), [("x", 0, 1)], [("sine", 0.5, 0.02), ("nothing", 0, 1)])
+    minima = sorted(m["parameters"]["x"] for m in answer["minima"] if m["misfit"] < 0.1)
+    # sin(14 pi x) = 1/2: x = (1/6 + 2 i) / 14 and (5/6 + 2 i) / 14, fourteen of them; beyond the outermost by asin(0.5 +- 1.96 * 0.02).
+    assert len(minima) == 14, minima
+    high = 2 * 6 / 14 + 1 / 14 - math.asin(0.5 - 1.96 * 0.02) / (14 * math.pi)
+    low = math.asin(0.5 - 1.96 * 0.02) / (14 * math.pi)
+    (x,) = answer["parameters"]
+    assert abs(x["low"] - low) < 2e-4 and abs(x["high"] - high) < 2e-4, (x, low, high)
+
+
+def test_a_server_that_lacks_the_model_is_asked_again():
+    folder = workspace()
+    url, _, server = serve(Model())
+    study = decay(folder, url)
+    study.write_text(study.read_text().replace('name = "decay"', 'name = "decline"'))
+    done = run("fit", study, "--explore", 4, "--starts", 1, "--out", folder / "out")
+    assert done.returncode != 0 and 'no model "decline"' in done.stdout + done.stderr, done.stdout + done.stderr
+    server.shutdown()
+    server.server_close()
+    again, _, later = serve(Model(), port=server.server_port, name="decline")
+    assert again == url
+    done = run("fit", study, "--explore", 4, "--starts", 1, "--out", folder / "out")
+    later.shutdown()
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_rosenbrock_in_two_dimensions_is_unique():

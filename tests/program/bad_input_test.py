@@ -28,6 +28,7 @@ def changed(old, new):
     return STUDY.replace(old, new, 1)
 
 
+OUTPUT_AGAIN = STUDY[STUDY.index("[[outputs]]"):]
 RELAXING = STUDY.replace('law = "linear"\nmodulus_MPa = 3000', 'law = "viscoelastic"\nmodulus_MPa = 9000\ng1 = 0.5\ntau1_s = 0.01', 1)
 CORRECTION = '[[corrections]]\nchannel = "depth"\nlayer = "base"\nat_mm = [0, 100, 250]\nfactor = [1.0, 0.5, 1.2]\n\n[[outputs]]'
 
@@ -66,6 +67,7 @@ def correcting(old, new):
     case("a factor of nothing", ["base-depth", "out of range", "0 < value"], correcting("0.5", "0"), line="factor ="),
     case("depths as stresses", ["base-depth", "at_mm", "missing"], correcting("at_mm", "at_kPa")),
     case("theta of zero", ["base-theta", "logarithm", "above 0"], correcting('"depth"', '"theta"').replace("at_mm", "at_kPa"), line="at_kPa"),
+    case("output twice", ["two outputs have this name", "subgrade-top-strain"], STUDY + OUTPUT_AGAIN),
     case("correction twice", ["base-depth", "twice"], changed("[[outputs]]", CORRECTION.replace("[[outputs]]", CORRECTION))),
     case("factor that there is not", ["base-depth.factor_4", "base-depth.factor_3"],
          changed("[[outputs]]", CORRECTION.replace("[[outputs]]", '[[parameters]]\nname = "base-depth.factor_4"\nmin = 0.1\nmax = 2\n\n[[outputs]]')), line="factor_4"),

@@ -285,3 +285,14 @@ def test_levels_in_another_command():
 
 def test_help_holds_an_example():
     assert "Example:" in run("road", "--help").stdout, "road --help holds an example"
+
+
+def test_of_two_stations_none_is_left_out(made):
+    _, rows, _, study = made
+    pair = folder / "pair.csv"
+    pair.write_text(HEADER + "\n" + "\n".join(",".join(map(str, row)) for row in rows if row[0] in ("P00", f"P{OUTLIER:02}")) + "\n")
+    done = run("road", pair, "--study", study, "--out", folder / "pair", "--json")
+    assert done.returncode == 0, done.stderr
+    r = json.loads(done.stdout)
+    assert len(r["stations"]) == 2 and not any("does not belong" in s for s in r["findings"]), r["findings"]
+    assert all(p["stations"] == 2 for p in r["shared"]), r["shared"]

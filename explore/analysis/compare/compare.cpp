@@ -69,6 +69,12 @@ std::vector<const Law*> laws_of(const CompareOptions& options) {
 // minimum. Nothing: interrupted, or no fold has an answer.
 std::optional<double> left_out_rms(const problem::Problem& problem, run::Engine& engine, const Layout& layout,
                                    const Uniqueness& answer) {
+    // Fewer readings than parameters predict anything.
+    const int free = problem.degrees_of_freedom(problem.space.axes.size());
+    if (std::any_of(layout.places.begin(), layout.places.end(),
+                    [&](const diagnose::Fold& fold) { return static_cast<int>(fold.terms.size()) > free; })) {
+        return std::nullopt;
+    }
     std::vector<double> squares(layout.places.size(), 0.0);
     std::vector<std::size_t> counts(layout.places.size(), 0);
     const bool done = engine.chains(
@@ -304,7 +310,13 @@ std::optional<CompareResult> compare_studies(Session& session, const std::vector
     CompareResult result{.study = studies[0], .layer = {}, .laws = {}};
     CompareOptions options = asked;
     options.evidence = true;
-    for (const study::Study& study : studies) {
+    for (std::size_t i = 0; i < studies.size(); ++i) {
+        const study::Study& study = studies[i];
+        if (std::any_of(studies.begin(), studies.begin() + static_cast<std::ptrdiff_t>(i),
+                        [&](const study::Study& other) { return other.hash == study.hash; })) {
+            throw pave::Error({.file = study.file, .key = "STUDY"}, "this study is compared with itself", {},
+                              "studies that differ");
+        }
         study::make_problem(study, study::Scope::fitted);
         result.same_noise = result.same_noise && have_same_noise(studies[0], study);
         options.evidence = options.evidence && study.noise == study::NoiseSource::stated && study.noise_assumed == 0;

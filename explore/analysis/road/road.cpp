@@ -281,6 +281,7 @@ private:
             state.members.push_back(i);
         }
         judged_.resize(tasks_.size());
+        std::vector<double> left_by(tasks_.size(), 1.0); // the p by which a station was left out
         for (int pass = 0; pass < most_passes; ++pass) {
             auto end = state.stations.search_together(state.members, state.points, kept_as::together * (1 + pass));
             if (!end) {
@@ -304,8 +305,14 @@ private:
                     members.push_back(i);
                 }
             }
-            if (members == state.members || 2 * members.size() < tasks_.size() || pass + 1 == most_passes) {
+            // Of two stations nobody can say which does not belong.
+            if (members == state.members || 2 * members.size() <= tasks_.size() || pass + 1 == most_passes) {
                 break;
+            }
+            for (const std::size_t i : state.members) {
+                if (!std::binary_search(members.begin(), members.end(), i)) {
+                    left_by[i] = judged_[i].p_familywise;
+                }
             }
             state.members = std::move(members);
         }
@@ -313,6 +320,9 @@ private:
             judged_[i].station = static_cast<std::size_t>(tasks_[i].station - survey_.stations.data());
             judged_[i].section = sections_[judged_[i].station];
             judged_[i].is_outlier = !std::binary_search(state.members.begin(), state.members.end(), i);
+            if (judged_[i].is_outlier) {
+                judged_[i].p_familywise = std::min(judged_[i].p_familywise, left_by[i]);
+            }
         }
         return true;
     }
@@ -351,10 +361,7 @@ private:
         result_.converged = state.end.search.converged;
         result_.ended = state.end.search.ended;
         for (std::size_t i = 0; i < tasks_.size(); ++i) {
-            landscape::Minimum best;
-            best.unit = state.points[i].unit;
-            best.evaluation = state.points[i].evaluation;
-            best.on_bound = landscape::bounds_met(best.unit);
+            landscape::Minimum best = landscape::minimum_at(state.points[i].evaluation, state.points[i].unit);
             best.converged = result_.converged;
             best.members = {0};
             StationResult& s = *tasks_[i].station;

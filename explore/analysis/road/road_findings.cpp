@@ -243,7 +243,7 @@ std::vector<std::string> findings_of(const RoadResult& result) {
             : fmt::format("The fit is consistent with the noise of the readings: chi2 = {} with {:.0f} degrees of "
                           "freedom, {}.",
                           figure(result.chi2), result.dof, p_words(result.p_value)));
-    if (result.outliers.empty()) {
+    if (result.outliers.empty() && result.stations.size() > 1) {
         words.push_back(fmt::format("No station stands out (5 % over all {}).",
                                     counted(result.stations.size(), "station", "stations")));
     }

@@ -295,10 +295,10 @@ MatrixXd equal_draws(const SampleResult& result) {
     return points;
 }
 
-// Judges the model by the readings alone where priors or constraints hold the answer: a search from the best draw, and
-// one without them. False: interrupted.
-bool judge_readings_alone(Session& session, const study::Study& study, const std::string& settings,
-                          const std::vector<double>& best, SampleResult& result) {
+// Judges the model as a fit does: by a search from the best draw and, where priors or constraints hold the answer, one
+// by the readings alone. False: interrupted.
+bool judge_readings(Session& session, const study::Study& study, const std::string& settings,
+                    const std::vector<double>& best, SampleResult& result) {
     auto engine = session.engine(result.problem, session.begin(study, "sample-best", settings));
     auto ends = engine.search({best}, *optimise::find_method("gauss-newton"), {});
     if (!ends) {
@@ -315,11 +315,14 @@ bool judge_readings_alone(Session& session, const study::Study& study, const std
     if (!is_found) {
         return true;
     }
-    result.held = std::move(minima[0]);
-    const landscape::JudgedFit fit = landscape::judged_fit(result.problem, *result.held);
+    const landscape::JudgedFit fit = landscape::judged_fit(result.problem, minima[0]);
     result.chi2 = fit.sum;
     result.degrees_of_freedom = fit.degrees_of_freedom;
     result.p_value = landscape::goodness_of(fit.problem, *fit.at, fit.sum, fit.degrees_of_freedom).p_value;
+    if (result.problem.priors().empty() && result.problem.limits.empty()) {
+        return true;
+    }
+    result.held = std::move(minima[0]);
     if (const auto acceptance = landscape::acceptance_of(result.problem, *result.held)) {
         result.priors = landscape::prior_influence(result.problem, *acceptance, *result.held);
     }
@@ -446,15 +449,8 @@ std::optional<SampleResult> sample(Session& session, const study::Study& given, 
         result.degrees_of_freedom = full.degrees_of_freedom(full.space.axes.size());
         if (full.noise_scale_is_sought()) { // which makes chi2 what it should be
             take_noise_scale(result);
-        } else if (!result.problem.priors().empty() || !result.problem.limits.empty()) {
-            if (!judge_readings_alone(session, study, settings, best->unit, result)) {
-                return std::nullopt;
-            }
-        } else if (const auto there =
-                       result.problem.evaluate(best->unit, true, *result.problem.function->make_workspace());
-                   there.converged()) {
-            result.p_value =
-                landscape::goodness_of(result.problem, there, result.chi2, result.degrees_of_freedom).p_value;
+        } else if (!judge_readings(session, study, settings, best->unit, result)) {
+            return std::nullopt;
         }
         relative_to_allowed(session.options().seed, result);
         judge(result);

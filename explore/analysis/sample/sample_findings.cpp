@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 
 namespace explore::analysis {
 namespace {
@@ -157,10 +158,31 @@ void say_correlations(const SampleResult& result, std::vector<std::string>& text
     }
 }
 
+// The standard deviation of a normal distribution whose densest tenth is as narrow as that of the draws.
+double spread_where_densest(std::span<const double> units, std::span<const double> weight, double total) {
+    std::vector<std::size_t> order(units.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return units[a] < units[b]; });
+    constexpr double share = 0.1;
+    constexpr double of_normal = 0.2513; // width of the central tenth over the standard deviation
+    double narrowest = INFINITY;
+    double held_by = 0.0; // weight from `from` to `to`, both in it
+    std::size_t from = 0;
+    for (std::size_t to = 0; to < order.size(); ++to) {
+        held_by += weight[order[to]];
+        while (held_by - weight[order[from]] >= share * total) {
+            held_by -= weight[order[from++]];
+        }
+        if (held_by >= share * total) {
+            narrowest = std::min(narrowest, units[order[to]] - units[order[from]]);
+        }
+    }
+    return narrowest / of_normal;
+}
+
 } // namespace
 
 std::vector<Mode> modes_of(std::span<const double> units, std::span<const double> weight) {
-    constexpr int cells = 200;
     const double low = landscape::weighted_quantile(units, weight, 0.25);
     const double high = landscape::weighted_quantile(units, weight, 0.75);
     double sum = 0.0;
@@ -174,14 +196,19 @@ std::vector<Mode> modes_of(std::span<const double> units, std::span<const double
         weights += weight[i] * weight[i];
     }
     const double deviation = std::sqrt(std::max(0.0, squares / total - std::pow(sum / total, 2)));
-    const double spread = high > low ? std::min(deviation, (high - low) / 1.34) : deviation;
+    const double whole = high > low ? std::min(deviation, (high - low) / 1.34) : deviation;
+    // Of many separate values the whole spread says nothing: of the densest of them.
+    const double spread = std::min(whole, spread_where_densest(units, weight, total));
     // Silverman's rule (1986, Density Estimation, 3.31).
     const double width = std::max(0.9 * spread * std::pow(total * total / weights, -0.2), 1e-4);
     const auto [first, last] = std::minmax_element(units.begin(), units.end());
     const double from = *first - 2.0 * width;
-    const double step = (*last + 2.0 * width - from) / cells;
+    const double across = *last + 2.0 * width - from;
+    constexpr double a_width = 4.0;
+    const int cells = std::clamp(static_cast<int>(a_width * across / width), 200, 4000);
+    const double step = across / cells;
     const auto place = [&](int c) { return from + (c + 0.5) * step; };
-    std::vector<double> density(cells, 0.0);
+    std::vector<double> density(static_cast<std::size_t>(cells), 0.0);
     for (int c = 0; c < cells; ++c) {
         for (std::size_t i = 0; i < units.size(); ++i) {
             density[static_cast<std::size_t>(c)] +=

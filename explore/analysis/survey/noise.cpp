@@ -309,7 +309,7 @@ std::vector<std::string> findings(const NoiseResult& result) {
         std::max_element(result.sensors.begin(), result.sensors.end(), [](const auto& a, const auto& b) {
             return a.scatter < b.scatter;
         })->scatter;
-    text.push_back(fmt::format("Repeated drops agree within {:.2g} % (one standard deviation) at its worst sensor.",
+    text.push_back(fmt::format("Repeated drops agree within {:.2g} % (one standard deviation) at the worst sensor.",
                                100.0 * largest));
     if (value[NoiseModel::common] > 0.0 || value[NoiseModel::correlation] > 0.0) {
         text.push_back(fmt::format("Errors are not independent: {}. A fit that takes them so gives ranges too narrow "

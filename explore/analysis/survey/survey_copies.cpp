@@ -36,8 +36,9 @@ std::string copied_stations(const SurveyResult& result) {
         }
     }
     return count == 0 ? ""
-                      : fmt::format("{}{}: a copy? Measured twice, no deflections are the same to the last digit.",
-                                    first, count > 1 ? fmt::format(", and {} more are so", count - 1) : "");
+                      : fmt::format(
+                            "{}{}: a copy? Measured twice, no deflections are the same to the last digit.", first,
+                            count > 1 ? fmt::format(", and so {} {} more", count == 2 ? "does" : "do", count - 1) : "");
 }
 
 } // namespace explore::analysis

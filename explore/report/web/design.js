@@ -9,7 +9,7 @@ const designs = (() => {
     // Longer than this is as good as for ever.
     const longest = 200;
     const years = (v) => (!known(v) ? "–" : v > longest ? `> ${longest}` : v < 10 ? v.toPrecision(2) : v.toFixed(0));
-    const millimetres = (v, most) => (known(v) ? v.toFixed(0) : `> ${most}`);
+    const millimetres = (v, most) => (known(v) ? Math.ceil(v).toFixed(0) : `> ${most}`);
     const range = (low, high, words) => (words(low) === words(high) ? words(low) : `${words(low)} to ${words(high)}`);
     const wideRange = (c) => (c.if_wrong && (known(c.if_wrong.low) || known(c.if_wrong.high)) ? range(c.if_wrong.low, c.if_wrong.high, years) : "not bounded");
     const governing = (r) => [...r.criteria].sort((a, b) => (r.governs[b.name] || 0) - (r.governs[a.name] || 0))[0];
