@@ -107,29 +107,33 @@ Evidence evidence(double sum, Index rows, const MatrixXd& jacobian, const Prior&
     constexpr double step = 0.02;
     const int steps = static_cast<int>(std::ceil(reach * noise.log_deviation / step));
     std::vector<double> logarithms;
-    std::vector<double> of_data; // without the prior
     double most = -INFINITY;
     for (int i = -steps; i <= steps; ++i) {
         const double x = i * step;
         const double z = x / noise.log_deviation;
-        of_data.push_back(at(std::exp(x)));
-        const double value = of_data.back() - 0.5 * z * z;
+        const double value = at(std::exp(x)) - 0.5 * z * z;
         logarithms.push_back(value);
         if (value > most) {
             most = value;
             found.noise = std::exp(x);
         }
     }
-    const double all = log_sum(logarithms);
-    found.any_size = all + std::log(step / (noise.log_deviation * std::sqrt(2.0 * std::numbers::pi)));
+    found.any_size = log_sum(logarithms) + std::log(step / (noise.log_deviation * std::sqrt(2.0 * std::numbers::pi)));
+    // By the data alone, wherever that is.
+    constexpr double farthest = 4.6; // a factor of a hundred
+    const int data_steps = std::max(steps, static_cast<int>(farthest / step));
+    std::vector<double> of_data;
+    for (int i = -data_steps; i <= data_steps; ++i) {
+        of_data.push_back(at(std::exp(i * step)));
+    }
     const double all_of_data = log_sum(of_data);
     found.by_data = std::exp(
-        step * static_cast<double>(std::max_element(of_data.begin(), of_data.end()) - of_data.begin() - steps));
+        step * static_cast<double>(std::max_element(of_data.begin(), of_data.end()) - of_data.begin() - data_steps));
     double gone = 0.0;
     const double tail = 0.5 * (1.0 - 0.95);
-    for (int i = -steps; i <= steps; ++i) {
+    for (int i = -data_steps; i <= data_steps; ++i) {
         const double before = gone;
-        gone += std::exp(of_data[static_cast<std::size_t>(i + steps)] - all_of_data);
+        gone += std::exp(of_data[static_cast<std::size_t>(i + data_steps)] - all_of_data);
         if (before < tail && gone >= tail) {
             found.noise_low = std::exp(i * step);
         }

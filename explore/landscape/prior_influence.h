@@ -20,6 +20,7 @@ struct PriorInfluence {
     double statistic = 0.0;
     int degrees_of_freedom = 0;
     double p_value = 1.0;
+    bool is_contradicted() const { return degrees_of_freedom > 0 && p_value < contradicted; }
 };
 
 // problem: residuals in units of their noise; best: with find_alone() done. Nothing: the problem has no priors. Active

@@ -1,6 +1,7 @@
 // The answer of each command, out of what it keeps.
 #include "base/error.h"
 #include "base/text.h"
+#include "landscape/minima.h"
 #include "report/answer.h"
 #include "run/program.h"
 
@@ -121,6 +122,10 @@ Answer fit_answer(const Json& json) {
         }
         if (!on_bound.empty()) {
             flaws.push_back("ends on a bound with " + pave::join(on_bound));
+        }
+        if (const Json& priors = json.value("priors", Json());
+            priors.is_object() && priors["degrees_of_freedom"] > 0 && priors["p_value"] < landscape::contradicted) {
+            flaws.push_back(fmt::format("contradicts a prior ({})", p_words(priors["p_value"].get<double>())));
         }
         answer.verdict += flaws.empty() ? "." : "; the fit " + pave::join(flaws, " and ") + ".";
     }

@@ -61,6 +61,11 @@ std::string unique_words(const problem::ParameterSpace& space, const Uniqueness&
                            "below, fits best",
                            p_words(u.acceptance->p_value));
     }
+    if (u.priors && u.priors->is_contradicted()) {
+        text = fmt::format("UNIQUE, but the readings contradict a prior ({}): one set of parameters, with the ranges "
+                           "below, fits both best",
+                           p_words(u.priors->p_value));
+    }
     if (contradicts_constraint) {
         text =
             "UNIQUE, but the readings contradict a constraint: one set of parameters, with the ranges below, fits best "
@@ -197,7 +202,10 @@ std::vector<std::string> findings(const UniqueResult& result) {
              : u.alternatives && u.valley
                  ? "separate minima fit these data, and a continuous valley of parameter sets too."
              : u.alternatives ? "separate minima fit these data, with no acceptable way found between them."
-                              : "a continuous valley of parameter sets fits these data equally well."));
+             : space.axes.size() == 1
+                 ? fmt::format("the data hardly determine {}: every value between {} and {} fits them.",
+                               space.axes[0].name, figure(u.parameters[0].low), figure(u.parameters[0].high))
+                 : "a continuous valley of parameter sets fits these data equally well."));
         break;
     case Verdict::undecided: say("UNDECIDED. What is missing: " + pave::join(u.missing) + "."); break;
     }
