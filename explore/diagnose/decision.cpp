@@ -204,11 +204,14 @@ private:
         return sum;
     }
 
-    // Names of the effects, sorted: another variant of one is no other name, but for what is wrong with readings.
+    // Names of the effects, sorted: another variant of one is no other name, but for an instrument; of wrong readings
+    // alone which they are.
     std::vector<std::string> effects_of(std::size_t r) const {
+        const auto& hypothesis = row(r).hypothesis;
         std::vector<std::string> list;
-        for (const auto& term : row(r).hypothesis.terms) {
-            list.push_back(term.subject == hypotheses::of_readings ? term.effect + term.on : term.effect);
+        for (const auto& term : hypothesis.terms) {
+            const bool is_instrument = term.subject == hypotheses::of_readings && term.effect != "outlier";
+            list.push_back(is_instrument || hypothesis.kind == Kind::readings ? term.effect + term.on : term.effect);
         }
         std::sort(list.begin(), list.end());
         return list;
