@@ -138,14 +138,14 @@ int main(int argc, char** argv) {
         }
         return explore::run::is_first_of_job() ? cli::wrong_input : cli::done; // as above
     }
+    app.failure_message([](auto* of, auto& error) { return "pavescape: " + CLI::FailureMessage::simple(of, error); });
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (!explore::run::is_first_of_job()) {
             return cli::done; // as above
         }
-        const int status = app.exit(error);
-        return status == 0 ? cli::done : cli::wrong_input;
+        return app.exit(error) == 0 ? cli::done : cli::wrong_input;
     }
     cli::remember_command_line(argc, argv);
     const auto chosen = std::find_if(cli::commands().begin(), cli::commands().end(), [&](const cli::Command& command) {

@@ -124,6 +124,10 @@ Json evaluations_in(const run::Store& store) {
 } // namespace
 
 RunFolder read_run_folder(const std::string& folder, const std::vector<std::string>& commands) {
+    if (std::filesystem::exists(folder) && !std::filesystem::is_directory(folder)) {
+        throw pave::Error({.file = folder, .key = "RUN"}, "this is a file", {},
+                          "the folder of a run, as --out names it");
+    }
     if (!std::filesystem::is_directory(folder)) {
         throw pave::Error({.file = folder, .key = "RUN"}, "there is no such folder" + data::near_file_words(folder), {},
                           "the folder of a run");

@@ -49,8 +49,11 @@ def test_when_the_time_is_over_the_best_so_far_is_said_as_such(command, options)
     assert abs(answer["best"]["misfit"] / float(lowest["misfit"]) - 1) < 1e-6, (answer["best"], lowest)
     for name, value in answer["best"]["parameters"].items():
         assert abs(float(lowest[name]) / value - 1) < 1e-6, (name, lowest)
-    text = run(command, study, *options, "--threads", 1, "--time", "1.2s", "--out", out).stdout
-    assert text.startswith("NOT FINISHED") and "goes on" in text and "subgrade.modulus_MPa" in text, text
+    for seconds in ("1.2s", "6s", "30s"):  # a busy machine may need the time to get to where it was
+        text = run(command, study, *options, "--threads", 1, "--time", seconds, "--out", out).stdout
+        assert text.startswith("NOT FINISHED") and "goes on" in text and "subgrade.modulus_MPa" in text, text
+        if len(table(out, "--command", command)) > len(rows):
+            break
     assert len(table(out, "--command", command)) > len(rows), "the same command goes on"
 
 

@@ -313,7 +313,7 @@ std::optional<CompareResult> compare_studies(Session& session, const std::vector
     for (std::size_t i = 0; i < studies.size(); ++i) {
         const study::Study& study = studies[i];
         if (std::any_of(studies.begin(), studies.begin() + static_cast<std::ptrdiff_t>(i),
-                        [&](const study::Study& other) { return other.hash == study.hash; })) {
+                        [&](const study::Study& other) { return other.file == study.file; })) {
             throw pave::Error({.file = study.file, .key = "STUDY"}, "this study is compared with itself", {},
                               "studies that differ");
         }
