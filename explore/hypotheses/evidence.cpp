@@ -106,19 +106,6 @@ Evidence evidence(double sum, Index rows, const MatrixXd& jacobian, const Prior&
     constexpr double reach = 4.0; // standard deviations of the prior
     constexpr double step = 0.02;
     const int steps = static_cast<int>(std::ceil(reach * noise.log_deviation / step));
-    std::vector<double> logarithms;
-    double most = -INFINITY;
-    for (int i = -steps; i <= steps; ++i) {
-        const double x = i * step;
-        const double z = x / noise.log_deviation;
-        const double value = at(std::exp(x)) - 0.5 * z * z;
-        logarithms.push_back(value);
-        if (value > most) {
-            most = value;
-            found.noise = std::exp(x);
-        }
-    }
-    found.any_size = log_sum(logarithms) + std::log(step / (noise.log_deviation * std::sqrt(2.0 * std::numbers::pi)));
     // By the data alone, wherever that is.
     constexpr double farthest = 4.6; // a factor of a hundred
     const int data_steps = std::max(steps, static_cast<int>(farthest / step));
@@ -126,6 +113,19 @@ Evidence evidence(double sum, Index rows, const MatrixXd& jacobian, const Prior&
     for (int i = -data_steps; i <= data_steps; ++i) {
         of_data.push_back(at(std::exp(i * step)));
     }
+    std::vector<double> logarithms;
+    double most = -INFINITY;
+    for (int i = -steps; i <= steps; ++i) {
+        const double x = i * step;
+        const double z = x / noise.log_deviation;
+        const double value = of_data[static_cast<std::size_t>(i + data_steps)] - 0.5 * z * z;
+        logarithms.push_back(value);
+        if (value > most) {
+            most = value;
+            found.noise = std::exp(x);
+        }
+    }
+    found.any_size = log_sum(logarithms) + std::log(step / (noise.log_deviation * std::sqrt(2.0 * std::numbers::pi)));
     const double all_of_data = log_sum(of_data);
     found.by_data = std::exp(
         step * static_cast<double>(std::max_element(of_data.begin(), of_data.end()) - of_data.begin() - data_steps));

@@ -1,6 +1,7 @@
 #include "landscape/accepted_ends.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace explore::landscape {
 namespace {
@@ -87,29 +88,26 @@ std::optional<std::vector<Beyond>> outputs_beyond(const std::vector<std::size_t>
         constexpr double hair = 5e-3; // of the range
         const double allowed = hair * (range.high - range.low);
         for (const int sign : {-1, 1}) {
-            const ProfilePoint* furthest = nullptr;
-            ProfilePoint point;
+            double& end = sign > 0 ? range.high : range.low;
+            double value = end;
+            std::optional<std::size_t> furthest;
             for (std::size_t i = 0; i < ends.size(); ++i) {
-                if (!there[i].converged()) {
-                    continue;
-                }
-                const double value = there[i].responses[responses[o]];
-                const double end = furthest != nullptr ? furthest->value : sign > 0 ? range.high : range.low;
-                if (sign * (value - end) > 0.0) {
-                    point.value = value;
-                    point.unit = ends[i];
-                    point.evaluation = there[i];
-                    furthest = &point;
+                if (there[i].converged() && sign * (there[i].responses[responses[o]] - value) > 0.0) {
+                    value = there[i].responses[responses[o]];
+                    furthest = i;
                 }
             }
-            if (furthest == nullptr) {
+            if (!furthest) {
                 continue;
             }
-            if (sign * (point.value - (sign > 0 ? range.high : range.low)) > allowed) {
-                beyond.push_back({o, sign, std::move(point)});
+            if (sign * (value - end) > allowed) {
+                Beyond& one = beyond.emplace_back(Beyond{o, sign, {}});
+                one.point.value = value;
+                one.point.unit = ends[*furthest];
+                one.point.evaluation = there[*furthest];
             } else {
-                (sign > 0 ? range.high : range.low) = point.value;
-                (sign > 0 ? range.high_set : range.low_set) = point.evaluation.parameters;
+                end = value;
+                (sign > 0 ? range.high_set : range.low_set) = there[*furthest].parameters;
             }
         }
     }

@@ -589,10 +589,7 @@ private:
             c.bounds = met;
             bool flat = false;
             if (result_.acceptance) {
-                Minimum here;
-                here.unit = end.search.unit;
-                here.evaluation = end.evaluation;
-                here.on_bound = met;
+                const Minimum here = minimum_at(end.evaluation, end.search.unit);
                 flat = !directions(task_.fitted, *result_.acceptance, here).flat.empty();
             }
             c.kind = flat ? EndKind::valley : met.empty() ? EndKind::interior : EndKind::bound;
